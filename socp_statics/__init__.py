@@ -1,0 +1,76 @@
+"""Statics of robots in contact by convex optimisation: exact friction cones, certified answers.
+
+The public names are imported when they are first used; importing the package imports nothing beyond the standard library.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+__version__ = "0.1.0"
+
+_HOMES = {
+    "StaticsError": "exceptions",
+    "InputError": "exceptions",
+    "EngineError": "exceptions",
+    "PointContact": "contacts",
+    "SurfaceContact": "contacts",
+    "LineContact": "contacts",
+    "SoftFingerContact": "contacts",
+    "FrictionlessPointContact": "contacts",
+    "FrictionlessSurfaceContact": "contacts",
+    "Handle": "contacts",
+    "ContactSet": "contacts",
+    "ExternalWrench": "contacts",
+    "Stance": "contacts",
+    "ConeChoice": "cones",
+    "check_equilibrium": "stability",
+    "trace_support_region": "regions",
+    "base_of_support": "regions",
+    "optimise_contact_forces": "optimization",
+    "minimise_largest_wrench": "optimization",
+    "load_problem": "cases.problem",
+    "solve": "cases.solve",
+    "Record": "cases.record",
+    "compare_regions": "comparison",
+    "draw": "figures",
+}
+
+if TYPE_CHECKING:
+    from socp_statics.cases.record import Record as Record
+    from socp_statics.cases.problem import load_problem as load_problem
+    from socp_statics.cases.solve import solve as solve
+    from socp_statics.comparison import compare_regions as compare_regions
+    from socp_statics.cones import ConeChoice as ConeChoice
+    from socp_statics.contacts import ContactSet as ContactSet
+    from socp_statics.contacts import ExternalWrench as ExternalWrench
+    from socp_statics.contacts import FrictionlessPointContact as FrictionlessPointContact
+    from socp_statics.contacts import FrictionlessSurfaceContact as FrictionlessSurfaceContact
+    from socp_statics.contacts import Handle as Handle
+    from socp_statics.contacts import LineContact as LineContact
+    from socp_statics.contacts import PointContact as PointContact
+    from socp_statics.contacts import SoftFingerContact as SoftFingerContact
+    from socp_statics.contacts import Stance as Stance
+    from socp_statics.contacts import SurfaceContact as SurfaceContact
+    from socp_statics.exceptions import EngineError as EngineError
+    from socp_statics.exceptions import InputError as InputError
+    from socp_statics.exceptions import StaticsError as StaticsError
+    from socp_statics.figures import draw as draw
+    from socp_statics.optimization import minimise_largest_wrench as minimise_largest_wrench
+    from socp_statics.optimization import optimise_contact_forces as optimise_contact_forces
+    from socp_statics.regions import base_of_support as base_of_support
+    from socp_statics.regions import trace_support_region as trace_support_region
+    from socp_statics.stability import check_equilibrium as check_equilibrium
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_HOMES})
