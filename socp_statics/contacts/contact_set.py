@@ -1,0 +1,76 @@
+"""A set of contacts, and the geometry they share."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from functools import cached_property
+
+import numpy as np
+from scipy.spatial.distance import pdist
+
+from socp_statics.contacts.contact import Contact
+from socp_statics.exceptions import InputError
+from socp_statics.spatial import Array
+
+
+class ContactSet:
+    """An immutable sequence of contacts with unique names.
+
+    Args:
+        contacts: At least one contact.
+
+    Raises:
+        InputError: No contact, something that is not a contact, or a name that is used twice.
+    """
+
+    def __init__(self, contacts: Iterable[Contact]):
+        self._contacts = tuple(contacts)
+        if not self._contacts:
+            raise InputError("contacts: at least one contact is expected, got none", field="contacts")
+        seen: set[str] = set()
+        for contact in self._contacts:
+            if not isinstance(contact, Contact):
+                raise InputError(f"contacts: a contact is expected, got {contact!r}", field="contacts")
+            if contact.name in seen:
+                raise InputError(f"contact '{contact.name}': name is used twice, names must be unique", name=contact.name, field="name")
+            seen.add(contact.name)
+
+    def __iter__(self) -> Iterator[Contact]:
+        return iter(self._contacts)
+
+    def __len__(self) -> int:
+        return len(self._contacts)
+
+    def __getitem__(self, key: int | str) -> Contact:
+        if isinstance(key, str):
+            for contact in self._contacts:
+                if contact.name == key:
+                    return contact
+            raise InputError(f"contact '{key}': no such contact, there are {', '.join(self.names)}", name=key)
+        return self._contacts[key]
+
+    def __repr__(self) -> str:
+        return f"ContactSet([{', '.join(map(repr, self._contacts))}])"
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names in order."""
+        return tuple(contact.name for contact in self._contacts)
+
+    @cached_property
+    def points_W(self) -> Array:
+        """All contact points, contact by contact, shape (n, 3) [m]."""
+        return np.vstack([contact.points_W for contact in self._contacts])
+
+    @cached_property
+    def size(self) -> float:
+        """Largest distance between contact points, 1 m if there is none [m]."""
+        points = self.points_W - self.points_W[0]
+        largest = float(pdist(points).max()) if len(points) > 1 else 0.0
+        return largest if largest > 0.0 else 1.0
+
+    @cached_property
+    def centre(self) -> Array:
+        """Mean contact point, world axes, shape (3,) [m]."""
+        first = self.points_W[0]
+        return first + (self.points_W - first).mean(axis=0)
