@@ -1,0 +1,14 @@
+"""The questions of statics as conic programs, one a file, declared in cvxpy as the papers display them."""
+
+from socp_statics.models.display import describe as describe
+from socp_statics.registry import Registry
+
+MODELS = Registry("model", group="socp_statics.models")
+for _name, _line in (
+    ("equilibrium", "verdict, margin (normal-force reserve) and certificate"),
+    ("contact_forces", "best contact forces: least squares, least normal force, or nearest to a reference"),
+    ("minimax_wrench", "least possible largest contact load: force, normal, tangential, component or use of friction"),
+    ("support_region", "region of CoM positions in balance, between an inner and an outer polygon"),
+    ("contact_load", "largest normal force of one contact over all horizontal CoM positions"),
+):
+    MODELS.add(_name, _line, f"socp_statics.models.{_name}:MODEL")

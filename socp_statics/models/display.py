@@ -1,0 +1,119 @@
+"""A model's program in readable mathematics, with the sizes it has for a stance."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from socp_statics.cones.choice import ConeChoice
+from socp_statics.contacts import Stance
+from socp_statics.models.contact_forces_set import ForceShape, force_shape
+from socp_statics.statics import StaticsData, assemble, wrench_range
+
+QUESTIONS = {
+    "equilibrium": ("maximise", "t", "the normal-force reserve of every contact point"),
+    "support_region": ("maximise", "d' c", "one program for each direction d of the plane; c is the horizontal CoM position"),
+}
+OBJECTIVES = {
+    "least_squares": ("sum_i |f_i|^2", "points and handles"),
+    "normal_force": ("sum_i f_n,i", "all contact points"),
+    "reference": ("sum_k |F_k - F_ref,k|^2", "contacts with a reference"),
+}
+MEASURES = {
+    "normal": "N_g <= s",
+    "force": "|F_g| <= s",
+    "tangential": "|F_t,g| <= s",
+    "component": "-s <= components of the wrench of g (moments over length) <= s",
+    "friction_use": "|F_t,g| <= s mu_g N_g",
+}
+
+
+def describe(model: str, stance: Stance, parameters: Mapping[str, Any]) -> str:
+    """The program that will be solved.
+
+    Args:
+        model: Name of the model.
+        stance: The stance it is asked about.
+        parameters: The model's parameters with defaults filled in.
+
+    Returns:
+        Several lines of text.
+    """
+    cone = ConeChoice(parameters["cone"], parameters.get("sides"), parameters.get("heading"))
+    data = assemble(stance)
+    reach = wrench_range(data.wrench_map)
+    shape = force_shape(data, cone, parameters["form"], reach.rank)
+    verb, objective, meaning = _question(model, parameters)
+    reserve = model == "equilibrium"
+    rows = [_balance(model, shape, data), *_cone_rows(shape, data, cone, reserve), *_other_rows(shape, reserve)]
+    if model == "minimax_wrench":
+        rows.append((MEASURES[parameters["measure"]], f"every {parameters['level']} g"))
+    width = max(len(left) for left, _ in [(objective, ""), *rows]) + 3
+    lines = [f"{verb:<12}{objective:<{width}}{meaning}"]
+    for i, (left, right) in enumerate(rows):
+        lines.append(f"{'subject to' if i == 0 else '':<12}{left:<{width}}{right}")
+    units = data.units
+    lines += [
+        "",
+        f"unknowns    x = (f_t, f_n, m_n, h) in contact frames: {2 * shape.slipping} tangential forces, {shape.points} normal forces, "
+        f"{shape.box + shape.elliptic} torsional moments, {shape.handle} handle components",
+        f"units       force {units.force:.6g} N, length {units.length:.6g} m, moments about "
+        f"[{', '.join(f'{v:.6g}' for v in units.origin + 0.0)}] m; rank of G {reach.rank} of 6",
+    ]
+    return "\n".join(lines)
+
+
+def _question(model: str, parameters: Mapping[str, Any]) -> tuple[str, str, str]:
+    if model in QUESTIONS:
+        return QUESTIONS[model]
+    if model == "contact_forces":
+        objective, meaning = OBJECTIVES[parameters["objective"]]
+        return "minimise", objective, meaning
+    return "minimise", "s", "the largest measure"
+
+
+def _balance(model: str, shape: ForceShape, data: StaticsData) -> tuple[str, str]:
+    load = "L + D c" if model == "support_region" else "L"
+    dropped = f", {6 - shape.rows} that no contact force reaches left out" if shape.rows < 6 else ""
+    return f"G x + {load} = 0", f"{shape.rows} balance rows{dropped}"
+
+
+def _cone_rows(shape: ForceShape, data: StaticsData, cone: ConeChoice, reserve: bool) -> list[tuple[str, str]]:
+    t = " - t" if reserve else ""
+    left = "(f_n,i - t)" if reserve else "f_n,i"
+    mu = f"mu {_range(data.friction)}" if len(data.friction) else ""
+    rows = []
+    if shape.circular:
+        if shape.sides:
+            m = "mu cos(pi/sides)" if shape.inscribed else "mu"
+            rows.append((f"n_j . f_t,i <= {m} {left}", f"{shape.circular} {cone.kind} pyramids of {shape.sides} sides, {mu}"))
+        elif shape.form == "sdp":
+            rows.append((f"[[r_i + f_x, f_y], [f_y, r_i - f_x]] >= 0, r_i = mu_i {left}", f"{shape.circular} matrices, 2 x 2, {mu}"))
+        else:
+            rows.append((f"|f_t,i| <= mu_i {left}", f"{shape.circular} second-order cones of dimension 3, {mu}"))
+    if shape.box:
+        rows.append((f"|m_n,i| <= gamma_i {left}", f"{shape.box} soft fingers (box)"))
+    if shape.elliptic:
+        rows.append((f"|(f_t,i, (mu_i/gamma_i) m_n,i)| <= mu_i {left}", f"{shape.elliptic} soft fingers (elliptic)"))
+    if shape.frictionless:
+        rows.append((f"f_n,i{t} >= 0", f"{shape.frictionless} frictionless points"))
+    return rows
+
+
+def _other_rows(shape: ForceShape, reserve: bool) -> list[tuple[str, str]]:
+    rows = []
+    if shape.lower or shape.upper:
+        lower, upper = ("lo + t", "hi - t") if reserve else ("lo", "hi")
+        rows.append((f"{lower} <= N_k <= {upper}", f"{shape.lower} lower and {shape.upper} upper bounds"))
+    if shape.equal:
+        rows.append(("N_k = given", f"{shape.equal} contacts"))
+    if shape.limits:
+        rows.append(("H x <= d", f"{shape.limits} hard rows"))
+    return rows
+
+
+def _range(values: np.ndarray) -> str:
+    low, high = float(values.min()), float(values.max())
+    return f"{low:g}" if low == high else f"{low:g} to {high:g}"

@@ -1,0 +1,45 @@
+"""What a model is: a program declared in cvxpy for a shape, and the numbers that go into its parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import cvxpy as cp
+
+
+class Program(NamedTuple):
+    """A declared program.
+
+    Attributes:
+        problem: The cvxpy problem, affine in its parameters (DPP).
+        variables: Variables by the symbol of the chapter.
+        constraints: Constraints by name; an engine returns their multipliers under the same names.
+    """
+
+    problem: cp.Problem
+    variables: dict[str, cp.Variable]
+    constraints: dict[str, cp.Constraint]
+
+    @property
+    def parameters(self) -> dict[str, cp.Parameter]:
+        """Parameters by name."""
+        return {p.name(): p for p in self.problem.parameters()}
+
+
+@dataclass(frozen=True)
+class ConicModel:
+    """One question of statics as a conic program.
+
+    Attributes:
+        name: Name in the registry.
+        summary: One line.
+        mathematics: The program as a paper displays it.
+        declare: Shape -> Program.
+    """
+
+    name: str
+    summary: str
+    mathematics: str
+    declare: Callable[[Any], Program]
