@@ -1,0 +1,143 @@
+"""A motion in words: which contact holds, slides or opens, and what the robot does as a whole."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from socp_statics.certificates.contact_motion import ContactMotion
+from socp_statics.spatial import Array
+from socp_statics.statics.statics_data import StaticsData
+
+REST = 1e-6
+AXES = {"+x": (1, 0, 0), "-x": (-1, 0, 0), "+y": (0, 1, 0), "-y": (0, -1, 0), "+z": (0, 0, 1), "-z": (0, 0, -1)}
+FLOOR_WORDS = ("front", "front left", "left", "back left", "back", "back right", "right", "front right")
+
+
+def direction_words(v: Array) -> str:
+    """A direction as an axis where it nearly is one, else as a unit vector."""
+    unit = v / np.linalg.norm(v)
+    word, axis = max(AXES.items(), key=lambda item: float(unit @ np.array(item[1], dtype=float)))
+    if float(unit @ np.array(axis, dtype=float)) > 0.995:
+        return word
+    return "(" + ", ".join(f"{0.0 if abs(c) < 0.005 else c:.2f}" for c in unit) + ")"
+
+
+def point_states(motion: ContactMotion) -> list[str]:
+    """What each contact point does: "holds", "slides" or "opens"."""
+    scale = max(float(np.abs(motion.velocity).max(initial=0.0)), 1e-300)
+    states = []
+    for u, spin, grip in zip(motion.velocity / scale, motion.spin / scale, motion.grip / scale, strict=True):
+        if np.linalg.norm(u) <= REST and spin <= REST:
+            states.append("holds")
+        elif grip <= REST and max(np.linalg.norm(u[:2]), spin) > REST:
+            states.append("slides")
+        else:
+            states.append("opens")
+    return states
+
+
+def contact_states(data: StaticsData, motion: ContactMotion) -> dict[str, str]:
+    """What each contact does: it holds while one of its points holds, else slides while one slides, else opens."""
+    points = point_states(motion)
+    moving = float(np.abs(motion.handle).max(initial=0.0))
+    scale = max(float(np.abs(motion.velocity).max(initial=0.0)), moving, 1e-300)
+    out = {}
+    for k, name in enumerate(data.names):
+        mine = {points[i] for i in np.flatnonzero(data.contact_of_point == k)}
+        grips = np.abs(motion.handle[data.contact_of_handle == k]) / scale
+        if not mine:
+            out[name] = "holds" if not grips.size or grips.max() <= REST else "slides"
+        else:
+            out[name] = next(word for word in ("holds", "slides", "opens") if word in mine)
+    return out
+
+
+def side_words(R_WC: Array, outward_C: Array) -> str:
+    """Which side of a contact a direction in its plane points to: as seen by the robot on floors, by height on walls."""
+    if abs(R_WC[2, 2]) > 0.7:
+        angle = np.arctan2(outward_C[1], outward_C[0])
+        return FLOOR_WORDS[int(np.rint(angle / (np.pi / 4))) % 8]
+    world = R_WC[:, :2] @ (outward_C / np.linalg.norm(outward_C))
+    if abs(world[2]) > 0.7:
+        return "upper" if world[2] > 0 else "lower"
+    return f"{'+' if outward_C[int(np.argmax(np.abs(outward_C)))] > 0 else '-'}t{1 + int(np.argmax(np.abs(outward_C)))}"
+
+
+def _pivots(data: StaticsData, states: list[str]) -> dict[str, str]:
+    """Contacts that tip: "the right edge of left_foot", where some points hold and others open."""
+    out = {}
+    for k, name in enumerate(data.names):
+        mine = np.flatnonzero(data.contact_of_point == k)
+        rest = [i for i in mine if states[i] == "holds"]
+        if not rest or len(rest) == len(mine):
+            continue
+        R = data.rotation[k]
+        centre = data.point[mine].mean(axis=0)
+        outward = (data.point[rest].mean(axis=0) - centre) @ R[:, :2]
+        what = "edge" if len(rest) > 1 else "end" if len(mine) == 2 else "corner"
+        side = side_words(R, outward) + " " if np.linalg.norm(outward) > 0 else ""
+        out[name] = f"the {side}{what} of {name}"
+    return out
+
+
+def _and(words: list[str]) -> str:
+    return words[0] if len(words) == 1 else ", ".join(words[:-1]) + " and " + words[-1]
+
+
+def reading(data: StaticsData, motion: ContactMotion, com_velocity: Array, turning: bool) -> str:
+    """The motion in one sentence that names the contacts.
+
+    Args:
+        data: The stance's arrays.
+        motion: The motion at the contacts.
+        com_velocity: Scaled velocity of the centre of mass, world axes, shape (3,).
+        turning: Whether the motion has a rotation worth naming.
+
+    Returns:
+        For example "tips about the right edge of right_foot, left_foot opens".
+    """
+    states = point_states(motion)
+    words = contact_states(data, motion)
+    pivots = _pivots(data, states)
+    holding = [name for name, word in words.items() if word == "holds" and name not in pivots]
+    sliding = [name for name, word in words.items() if word == "slides"]
+    opening = [name for name, word in words.items() if word == "opens"]
+    parts = []
+    if pivots:
+        parts.append("tips about " + _and([*pivots.values(), *holding]))
+    elif holding and turning:
+        through = "the line through " + _and(holding) if len(holding) > 1 else holding[0]
+        parts.append(f"turns about {through}, which cannot resist it" if len(holding) == len(words) else f"tips about {through}")
+    elif holding:
+        parts.append(f"{_and(holding)} hold" + ("s" if len(holding) == 1 else ""))
+    directions: dict[str, list[str]] = {}
+    for name in sliding:
+        directions.setdefault(_sliding(data, motion, states, name), []).append(name)
+    falling = len(sliding) > 1 and not pivots and not holding and com_velocity[2] < -0.5 * np.linalg.norm(com_velocity)
+    if falling:
+        parts.append(f"falls between {_and(sliding)}")
+    parts += [f"{how} at {_and(names)}" for how, names in directions.items()]
+    if opening:
+        alone = not parts
+        verb = "open" if len(opening) > 1 else "opens"
+        falls = f"falls along {direction_words(com_velocity)}: " if alone and np.linalg.norm(com_velocity) > 0 else ""
+        parts.append(f"{falls}{_and(opening)} {verb}")
+    return ", ".join(parts)
+
+
+def _sliding(data: StaticsData, motion: ContactMotion, states: list[str], name: str) -> str:
+    """How a contact slides: along a direction in world axes, or by spinning about its normal."""
+    k = data.names.index(name)
+    mine = [i for i in np.flatnonzero(data.contact_of_point == k) if states[i] == "slides"]
+    if not mine:
+        rates = np.zeros(6)
+        rates[data.component_of_handle[data.contact_of_handle == k]] = motion.handle[data.contact_of_handle == k]
+        linear, angular = data.rotation[k] @ rates[:3], data.rotation[k] @ rates[3:]
+        if np.linalg.norm(linear) > REST * np.linalg.norm(angular):
+            return f"slides along {direction_words(linear)}"
+        return f"turns about {direction_words(angular)}"
+    u_t = motion.velocity[mine, :2]
+    mean = u_t.mean(axis=0)
+    if np.linalg.norm(mean) < 1e-3 * max(np.abs(u_t).max(), motion.spin[mine].max()):
+        return "spins about the normal"
+    return f"slides along {direction_words(data.rotation[k][:, :2] @ mean)}"

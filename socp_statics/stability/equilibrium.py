@@ -1,0 +1,186 @@
+"""Is the posture stable? Verdict, margin, reason and certificate of a stance (weak stability, 3.7.1)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from socp_statics.certificates import ForcesCertificate, MotionCertificate, force_residuals, motion_certificate
+from socp_statics.certificates.contact_motion import contact_motion
+from socp_statics.cones.choice import ConeChoice, cone_choice
+from socp_statics.contacts import Contact, ContactSet, ExternalWrench, Stance
+from socp_statics.contacts.stance import stance_of
+from socp_statics.spatial import Array
+from socp_statics.stability.idle import idle_contacts
+from socp_statics.stability.margin import BOUNDARY, Margin, normal_force_margin
+from socp_statics.statics import PointForces, StaticsData, assemble, point_forces
+
+
+@dataclass(frozen=True, eq=False)
+class EquilibriumAnswer:
+    """The answer to "is it stable?".
+
+    Attributes:
+        verdict: "stable", "unstable" or "undecided"; weak stability.
+        reason: None, "boundary" or "rank".
+        margin: Normal-force reserve [N]; inf, -inf, or nan where the rank leaves it open.
+        idle: Contacts that cannot be loaded, wherever the centre of mass (asked only at the boundary).
+        idle_margin: Reserve of the other contacts where some are idle [N], else None.
+        forces: Balancing forces, or None.
+        certificate: Forces for "stable", a motion for "unstable", None for "undecided".
+        status: Of the margin program: "solved", "infeasible" (margin -inf) or "unbounded" (margin inf).
+        residuals: "balance", "cone" and "gap" in units of W.
+        engine: Name of the engine that answered.
+        handovers: How many programs went to another engine.
+        cone: Exact cones or pyramids.
+    """
+
+    verdict: str
+    reason: str | None
+    margin: float
+    idle: tuple[str, ...]
+    idle_margin: float | None
+    forces: PointForces | None
+    certificate: ForcesCertificate | MotionCertificate | None
+    status: str
+    residuals: dict[str, float]
+    engine: str
+    handovers: int
+    cone: ConeChoice
+
+    @property
+    def stable(self) -> bool:
+        """True where the verdict is "stable"."""
+        return self.verdict == "stable"
+
+
+def check_equilibrium(
+    contacts: Stance | ContactSet | Iterable[Contact],
+    com: Any = None,
+    mass: float | None = None,
+    *,
+    cone: str | ConeChoice = "exact",
+    sides: int | None = None,
+    heading: float | None = None,
+    form: str = "socp",
+    engine: str = "auto",
+    gravity: Any = None,
+    external_wrenches: Iterable[ExternalWrench | dict[str, Any]] = (),
+) -> EquilibriumAnswer:
+    """Verdict, margin and certificate of a stance.
+
+    Args:
+        contacts: Contacts, or a Stance, which brings everything else.
+        com: Centre of mass in world axes, shape (3,) [m].
+        mass: Mass [kg]; may be left out where only its sign matters, the margin is then per kilogram.
+        cone: "exact", "inscribed" or "circumscribed", or a ConeChoice.
+        sides: Sides of the pyramids.
+        heading: Heading of the pyramids [rad].
+        form: "socp" or "sdp".
+        engine: "auto" or the name of an engine.
+        gravity: Acceleration of gravity in world axes, shape (3,) [m/s^2].
+        external_wrenches: Wrenches impressed on the robot.
+
+    Returns:
+        The answer.
+
+    Raises:
+        InputError: A number, name or choice is wrong.
+        EngineError: No engine settled the program.
+    """
+    stance = stance_of(contacts, com, mass, gravity, external_wrenches)
+    choice = cone_choice(cone, sides, heading)
+    data = assemble(stance)
+    margin = normal_force_margin(data, choice, form, engine)
+    if np.isnan(margin.value):
+        return _answer(data, choice, margin, "undecided", "rank")
+    if margin.value >= BOUNDARY:
+        return _answer(data, choice, margin, "stable", None)
+    if margin.value <= -BOUNDARY:
+        return _answer(data, choice, margin, "unstable", None)
+    return _at_the_boundary(stance, data, choice, margin, form, engine)
+
+
+def _answer(data: StaticsData, cone: ConeChoice, margin: Margin, verdict: str, reason: str | None) -> EquilibriumAnswer:
+    W = data.units.force
+    forces = certificate = None
+    residuals = {"balance": 0.0, "cone": 0.0, "gap": margin.gap}
+    if margin.x is not None and verdict != "unstable":
+        forces = point_forces(data, margin.x)
+        held = force_residuals(data, cone, margin.x)
+        residuals |= {"balance": held.balance, "cone": held.cone}
+        certificate = ForcesCertificate() if verdict == "stable" else None
+    elif verdict == "unstable":
+        certificate = margin.certificate
+    status = "unbounded" if margin.value == np.inf else "infeasible" if margin.value == -np.inf else "solved"
+    value = margin.value * W if np.isfinite(margin.value) else margin.value
+    return EquilibriumAnswer(
+        verdict, reason, value, (), None, forces, certificate, status, residuals, margin.engine, margin.handovers, cone
+    )  # fmt: skip
+
+
+def _at_the_boundary(
+    stance: Stance, data: StaticsData, cone: ConeChoice, margin: Margin, form: str, engine: str
+) -> EquilibriumAnswer:
+    """A margin of zero: idle contacts get no force, the reserve of the others decides."""
+    undecided = _answer(data, cone, margin, "undecided", "boundary")
+    idle = idle_contacts(data, cone, form, engine)
+    rest = [c for c in stance.contacts if c.name not in idle.names]
+    if not idle.names or not rest:
+        return _with(undecided, idle=idle.names)
+    others = Stance(ContactSet(rest), stance.com, stance.mass, stance.gravity, stance.external_wrenches)
+    part = assemble(others)
+    reserve = normal_force_margin(part, cone, form, engine)
+    scale = part.units.force / data.units.force
+    value = reserve.value * part.units.force
+    found = {"idle": idle.names, "idle_margin": None if np.isnan(value) else value, "handovers": margin.handovers + reserve.handovers}
+    if reserve.value * scale >= BOUNDARY and reserve.x is not None:
+        held = force_residuals(part, cone, reserve.x)
+        forces = _with_idle_zero(stance, point_forces(part, reserve.x))
+        residuals = {"balance": held.balance * scale, "cone": held.cone * scale, "gap": reserve.gap}
+        return _with(undecided, verdict="stable", reason=None, forces=forces, certificate=ForcesCertificate(), residuals=residuals, **found)
+    if reserve.value * scale <= -BOUNDARY and reserve.twist is not None:
+        twist = _moved_to(data, part, reserve.twist)
+        certificate = motion_certificate(data, cone, twist + _opening(data, cone, twist, idle.names) * idle.twist)
+        if certificate is not None:
+            none = {"balance": 0.0, "cone": 0.0, "gap": reserve.gap}
+            return _with(undecided, verdict="unstable", reason=None, forces=None, certificate=certificate, residuals=none, **found)
+    return _with(undecided, **found)
+
+
+def _with(answer: EquilibriumAnswer, **changes: Any) -> EquilibriumAnswer:
+    return EquilibriumAnswer(**{**vars(answer), **changes})
+
+
+def _with_idle_zero(stance: Stance, forces: PointForces) -> PointForces:
+    """The forces of the other contacts together with zero forces at the idle ones, in the order of the contacts."""
+    zeros = [(c.name, p) for c in stance.contacts if c.name not in forces.position_W for p in c.points_W]
+    names = (*forces.contact, *(name for name, _ in zeros))
+    rank = {name: i for i, name in enumerate(stance.contacts.names)}
+    order = sorted(range(len(names)), key=lambda i: rank[names[i]])
+    none = np.zeros((len(zeros), 3))
+    return PointForces(
+        contact=tuple(names[i] for i in order),
+        point_W=np.vstack([forces.point_W, [p for _, p in zeros]])[order],
+        force_W=np.vstack([forces.force_W, none])[order],
+        moment_W=np.vstack([forces.moment_W, none])[order],
+        moment_carrying=np.concatenate([forces.moment_carrying, np.zeros(len(zeros), dtype=bool)])[order],
+        position_W={c.name: c.position for c in stance.contacts},
+    )
+
+
+def _moved_to(data: StaticsData, part: StaticsData, twist: Array) -> Array:
+    """A scaled twist of a part of the stance in the units and about the origin of the whole."""
+    linear, angular = part.units.twist_in_si(twist)
+    linear = linear + np.cross(angular, data.units.origin - part.units.origin)
+    return np.concatenate([linear, angular * data.units.length])
+
+
+def _opening(data: StaticsData, cone: ConeChoice, twist: Array, idle: tuple[str, ...]) -> float:
+    """How much of the opening motion it takes to keep idle contacts from working against a twist; it opens them at >= 1."""
+    mine = np.isin(data.contact_of_point, [data.names.index(name) for name in idle])
+    worst = float(-contact_motion(data, cone, twist).grip[mine].min(initial=0.0))
+    return max(worst, 0.0)

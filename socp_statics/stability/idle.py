@@ -1,0 +1,66 @@
+"""Idle contacts: those that no balance ever loads, wherever the centre of mass is moved horizontally."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from socp_statics.cones.choice import ConeChoice
+from socp_statics.engines import engines_for
+from socp_statics.engines.solution import SOLVED
+from socp_statics.exceptions import EngineError
+from socp_statics.models.contact_forces_set import force_shape, force_values
+from socp_statics.models.contact_load import MODEL
+from socp_statics.models.support_region import RegionShape
+from socp_statics.spatial import Array
+from socp_statics.statics.statics_data import StaticsData
+from socp_statics.statics.wrench_range import INSIDE, wrench_range
+
+LOADED = 1e-6
+
+
+class IdleContacts(NamedTuple):
+    """Names of the contacts that cannot be loaded, and a scaled twist that opens all of them without work of the load."""
+
+    names: tuple[str, ...]
+    twist: Array
+
+
+def idle_contacts(data: StaticsData, cone: ConeChoice, form: str, engine: str) -> IdleContacts:
+    """Find the contacts that cannot be loaded.
+
+    Args:
+        data: The stance's arrays.
+        cone: Exact cones or pyramids.
+        form: "socp" or "sdp".
+        engine: "auto" or the name of an engine.
+
+    Returns:
+        The idle contacts; none where no CoM position is in balance at all.
+
+    Raises:
+        EngineError: No engine settled a program.
+    """
+    reach = wrench_range(np.hstack([data.wrench_map, data.com_load]))
+    twist = np.zeros(6)
+    if reach.outside(data.load) > INSIDE:
+        return IdleContacts((), twist)
+    shape = RegionShape(force_shape(data, cone, form, reach.rank), 2, False)
+    values = {**force_values(data, cone, reach.basis), "D": reach.basis.T @ data.com_load, "cap": 1.0}
+    names: list[str] = []
+    for k in np.unique(data.contact_of_point):
+        normal = np.zeros(data.wrench_map.shape[1])
+        normal[data.normal][data.contact_of_point == k] = 1.0
+        for one in engines_for(engine):
+            solution = one.compile(MODEL, shape).solve({**values, "c": normal})
+            if solution.status != "failed":
+                break
+        else:
+            raise EngineError(f"contact '{data.names[k]}': whether it can be loaded was not settled", name=data.names[k])
+        if solution.status != SOLVED:
+            return IdleContacts((), twist)
+        if solution.objective <= LOADED:
+            names.append(data.names[k])
+            twist = twist + reach.basis @ solution.duals["balance"]
+    return IdleContacts(tuple(names), twist)

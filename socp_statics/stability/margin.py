@@ -1,0 +1,130 @@
+"""The margin program of one stance, settled: a number with forces or a motion behind it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from socp_statics.certificates import MotionCertificate, force_residuals, motion_certificate
+from socp_statics.cones.choice import ConeChoice
+from socp_statics.engines import engines_for
+from socp_statics.engines.engine import Engine
+from socp_statics.engines.solution import INFEASIBLE, SOLVED
+from socp_statics.exceptions import EngineError
+from socp_statics.models.contact_forces_set import force_shape, force_values
+from socp_statics.models.equilibrium import MODEL
+from socp_statics.spatial import Array
+from socp_statics.statics.statics_data import StaticsData
+from socp_statics.statics.wrench_range import INSIDE, OUTSIDE, WrenchRange, wrench_range
+
+BOUNDARY = 1e-7
+FORCE_TOLERANCE = 1e-8
+CAPS = (1.0, 1e3, 1e6)
+
+
+@dataclass(frozen=True, eq=False)
+class Margin:
+    """Normal-force reserve of a stance, in units of W.
+
+    Attributes:
+        value: The margin; inf, -inf, or nan where the load is out of reach by too little to tell.
+        x: Scaled forces that attain it (or exceed the boundary, where it is infinite), or None.
+        certificate: The motion behind a negative margin, or None.
+        twist: Multipliers of the balance, shape (6,), or None.
+        gap: Difference of primal and dual objective, relative.
+        engine: Name of the engine that answered.
+        handovers: How many engines did not settle before.
+    """
+
+    value: float
+    x: Array | None
+    certificate: MotionCertificate | None
+    twist: Array | None
+    gap: float
+    engine: str
+    handovers: int
+
+
+def normal_force_margin(data: StaticsData, cone: ConeChoice, form: str, engine: str) -> Margin:
+    """Largest reserve t for which balancing forces exist with ``f - t n`` in every cone.
+
+    Args:
+        data: The stance's arrays.
+        cone: Exact cones or pyramids.
+        form: "socp" or "sdp".
+        engine: "auto" or the name of an engine.
+
+    Returns:
+        The margin with its certificate.
+
+    Raises:
+        EngineError: No engine settled the program.
+        InputError: There is no such engine.
+    """
+    reach = wrench_range(data.wrench_map)
+    engines = engines_for(engine)
+    outside = reach.outside(data.load)
+    if outside > OUTSIDE:
+        twist = reach.null @ (reach.null.T @ data.load)
+        certificate = motion_certificate(data, cone, twist / np.linalg.norm(twist))
+        return Margin(-np.inf, None, certificate, twist, 0.0, engines[0].name, 0)
+    if outside > INSIDE:
+        return Margin(np.nan, None, None, None, 0.0, engines[0].name, 0)
+    for handovers, one in enumerate(engines):
+        margin = _settled(data, cone, form, one, reach)
+        if margin is not None:
+            return replace(margin, handovers=handovers)
+    raise EngineError(f"the margin was not settled to {FORCE_TOLERANCE:g} by {', '.join(e.name for e in engines)}", name=engine)
+
+
+def _settled(data: StaticsData, cone: ConeChoice, form: str, engine: Engine, reach: WrenchRange) -> Margin | None:
+    """The margin by one engine, or None where its answer does not check."""
+    compiled = engine.compile(MODEL, force_shape(data, cone, form, reach.rank))
+    values = force_values(data, cone, reach.basis)
+    for cap in CAPS:
+        solution = compiled.solve({**values, "cap": cap})
+        if solution.status == INFEASIBLE:
+            twist = reach.basis @ solution.duals["balance"] if "balance" in solution.duals else np.full(6, np.nan)
+            certificate = motion_certificate(data, cone, twist)
+            return None if certificate is None else Margin(-np.inf, None, certificate, twist, 0.0, engine.name, 0)
+        if solution.status != SOLVED:
+            return None
+        x, t = solution.variables["x"], float(solution.variables["t"][0] if solution.variables["t"].ndim else solution.variables["t"])
+        if t < cap * (1 - 1e-6):
+            break
+        held = force_residuals(data, cone, x)
+        if max(held) <= FORCE_TOLERANCE * cap and _internal_force_inside(data, cone, form, engine, reach):
+            return Margin(np.inf, x, None, None, solution.residuals.gap, engine.name, 0)
+    else:
+        return None
+    residuals = solution.residuals
+    if residuals.gap > FORCE_TOLERANCE:
+        return None
+    twist = reach.basis @ solution.duals["balance"]
+    if t <= -BOUNDARY:
+        certificate = motion_certificate(data, cone, twist)
+        return None if certificate is None else Margin(t, None, certificate, twist, residuals.gap, engine.name, 0)
+    if max(force_residuals(data, cone, x)) > (FORCE_TOLERANCE if t >= BOUNDARY else BOUNDARY):
+        return None
+    return Margin(t, x, None, twist, residuals.gap, engine.name, 0)
+
+
+def _internal_force_inside(data: StaticsData, cone: ConeChoice, form: str, engine: Engine, reach: WrenchRange) -> bool:
+    """Whether an internal force lies strictly inside every cone with no bound or limit to stop it.
+
+    The margin program without load, with zero bounds and limits, is a cone: its value is 0 or whatever the cap allows.
+    """
+    free = replace(
+        data,
+        load=np.zeros(6),
+        bounds=np.where(np.isfinite(data.bounds), 0.0, data.bounds),
+        limit_values=np.zeros_like(data.limit_values),
+    )
+    compiled = engine.compile(MODEL, force_shape(data, cone, form, reach.rank))
+    values = force_values(free, cone, reach.basis)
+    equal = data.bounds[:, 0] == data.bounds[:, 1]
+    if equal.any():
+        return False
+    solution = compiled.solve({**values, "cap": 1.0})
+    return solution.status == SOLVED and float(solution.objective) > 0.5
