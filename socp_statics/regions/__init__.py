@@ -1,0 +1,6 @@
+"""Support regions, the base of support, and margins in metres."""
+
+from socp_statics.regions.base_of_support import BaseOfSupport as BaseOfSupport
+from socp_statics.regions.base_of_support import base_of_support as base_of_support
+from socp_statics.regions.support_region import SupportRegion as SupportRegion
+from socp_statics.regions.tracing import trace_support_region as trace_support_region

@@ -1,0 +1,136 @@
+"""The support region: every horizontal CoM position in balance, between an inner and an outer polygon."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from socp_statics.cones.choice import ConeChoice
+from socp_statics.engines.solution import Solution
+from socp_statics.regions import polygon
+from socp_statics.spatial import Array
+from socp_statics.statics import PointForces, StaticsData, point_forces
+
+
+@dataclass(frozen=True, eq=False)
+class SupportRegion:
+    """Horizontal section of the CoM positions in balance, at one height.
+
+    Attributes:
+        kind: "polygon", "segment", "point", "empty" or "unbounded".
+        inner: Attained positions, counter-clockwise corners, shape (k, 2) [m].
+        outer: Corners of a polygon that contains the region, counter-clockwise, shape (l, 2) [m].
+        rays: Generators of the recession cone where the region has no end, shape (r, 2), unit vectors; the polygons are then
+            clipped to a square of half-side 10 times the size about the mean contact point.
+        relative_gap: (outer - inner) / outer area; of a segment, of its length.
+        solves: Number of conic programs.
+        cone: Exact cones or pyramids.
+        engine: Name of the engine that answered.
+        handovers: How many engines did not settle before.
+        com_margin: Of the stance's own centre of mass: distance to the edge, minus the distance outside [m]; inf where the
+            region is the whole plane; None where the region is empty or no centre of mass was given.
+        clip: The clipping square ``(x_min, x_max, y_min, y_max)`` [m], or None.
+    """
+
+    kind: str
+    inner: Array
+    outer: Array
+    rays: Array
+    relative_gap: float
+    solves: int
+    cone: ConeChoice
+    engine: str
+    handovers: int
+    com_margin: float | None
+    clip: tuple[float, float, float, float] | None
+    _data: StaticsData = field(repr=False)
+    _inner_solutions: tuple[Solution, ...] = field(repr=False)
+    _outer_twists: tuple[Array, ...] = field(repr=False)
+
+    @property
+    def inner_area(self) -> float:
+        """Area of the inner polygon, 0 unless it is one [m^2]."""
+        return max(polygon.area(self.inner), 0.0) if self.kind in ("polygon", "unbounded") else 0.0
+
+    @property
+    def outer_area(self) -> float:
+        """Area of the outer polygon, 0 unless it is one [m^2]."""
+        return max(polygon.area(self.outer), 0.0) if self.kind in ("polygon", "unbounded") else 0.0
+
+    @cached_property
+    def inner_forces(self) -> tuple[PointForces, ...]:
+        """Balancing forces inside the cones for each inner corner."""
+        return tuple(point_forces(self._data, s.variables["x"]) for s in self._inner_solutions)
+
+    @cached_property
+    def outer_multipliers(self) -> tuple[tuple[Array, Array], ...]:
+        """For each outer edge (from a corner to the next) the motion that rules out everything beyond it.
+
+        Pairs (linear, angular) [m/s, rad/s] about the mean contact point, world axes: no admissible force prevents the motion
+        for a centre of mass beyond the edge. Edges of the clipping square have zeros.
+        """
+        return tuple(self._data.units.twist_in_si(t) for t in self._outer_twists)
+
+    @cached_property
+    def halfplanes(self) -> tuple[Array, Array]:
+        """Half-planes ``A x <= b`` of the outer polygon, unit rows, shapes (l, 2) and (l,) [m].
+
+        A segment or point has the half-planes of its ends and sides; an empty region one that nothing satisfies.
+        """
+        if self.kind == "empty":
+            return np.array([[0.0, 0.0]]), np.array([-1.0])
+        if self.kind in ("polygon", "unbounded"):
+            return polygon.halfplanes(self.outer)
+        a, b = self.outer[0], self.outer[-1]
+        along = (b - a) / np.linalg.norm(b - a) if self.kind == "segment" else np.array([1.0, 0.0])
+        across = np.array([-along[1], along[0]])
+        A = np.array([along, across, -along, -across])
+        return A, np.array([along @ b, across @ a, -along @ a, -across @ a])
+
+    def contains(self, xy: ArrayLike) -> Any:
+        """Whether positions are attained: inside or on the inner polygon (1e-12 of the size forgiven).
+
+        Args:
+            xy: Positions, shape (..., 2) [m].
+
+        Returns:
+            Booleans, shape (...).
+        """
+        return self.margin(xy) >= -1e-12 * self._data.units.length
+
+    def margin(self, xy: ArrayLike) -> Any:
+        """Distance of positions to the edge of the inner polygon, minus the distance outside.
+
+        Args:
+            xy: Positions, shape (..., 2) [m].
+
+        Returns:
+            Shape (...) [m]; -inf for an empty region.
+        """
+        points = np.asarray(xy, dtype=float)
+        if self.kind == "empty" or not len(self.inner):
+            return np.full(points.shape[:-1], -np.inf)
+        return polygon.distance(self.inner, points)
+
+    def as_record(self) -> dict[str, Any]:
+        """The record's entry."""
+        forces, multipliers = self.inner_forces, self.outer_multipliers
+        return {
+            "kind": self.kind,
+            "inner": self.inner.tolist(),
+            "outer": self.outer.tolist(),
+            "inner_area": self.inner_area,
+            "outer_area": self.outer_area,
+            "relative_gap": self.relative_gap,
+            "rays": self.rays.tolist(),
+            "solves": self.solves,
+            "points": [{"contact": c, "point": p.tolist()} for c, p in zip(forces[0].contact, forces[0].point_W, strict=True)]
+            if forces
+            else [],
+            "inner_forces": [np.hstack([f.force_W, f.moment_W[:, f.moment_carrying.any() and slice(0, 3) or slice(0, 0)]]).tolist() for f in forces],
+            "outer_multipliers": [[*linear.tolist(), *angular.tolist()] for linear, angular in multipliers],
+        }

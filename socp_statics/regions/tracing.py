@@ -1,0 +1,280 @@
+"""Tracing the support region: empty, point, segment, polygon or without end, each with its witnesses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from socp_statics.cones.choice import ConeChoice, cone_choice
+from socp_statics.contacts import Contact, ContactSet, ExternalWrench, Stance
+from socp_statics.contacts.stance import stance_of
+from socp_statics.engines import engines_for
+from socp_statics.engines.engine import Engine
+from socp_statics.engines.solution import INFEASIBLE, SOLVED, UNBOUNDED, Solution
+from socp_statics.exceptions import EngineError, InputError
+from socp_statics.models.contact_forces_set import force_shape, force_values
+from socp_statics.models.equilibrium import MODEL as EQUILIBRIUM
+from socp_statics.regions import polygon
+from socp_statics.regions.com_margin import refined_margin
+from socp_statics.regions.directions import CoMPlane, Directions, EmptyRegion, UnboundedDirection, com_plane, recession
+from socp_statics.regions.sandwich import START, Sandwich
+from socp_statics.regions.support_region import SupportRegion
+from socp_statics.spatial import Array
+from socp_statics.statics import StaticsData, assemble
+
+NARROW = 1e-9
+CLIP = 10.0
+CORNER = 1e-11
+ON_EDGE = 1e-9
+
+
+def trace_support_region(
+    contacts: Stance | ContactSet | Iterable[Contact],
+    tolerance: float = 1e-3,
+    *,
+    height: float = 0.0,
+    mass: float | None = None,
+    cone: str | ConeChoice = "exact",
+    sides: int | None = None,
+    heading: float | None = None,
+    form: str = "socp",
+    engine: str = "auto",
+    gravity: Any = None,
+    external_wrenches: Iterable[ExternalWrench | dict[str, Any]] = (),
+) -> SupportRegion:
+    """The horizontal CoM positions in balance (Bretl and Lall 2008, with exact cones).
+
+    Args:
+        contacts: Contacts, or a Stance, which brings height, mass, gravity and external wrenches and gets its CoM margin.
+        tolerance: Of (outer area - inner area) / outer area, between 0 and 1.
+        height: Height of the centre of mass; matters only where gravity is not vertical [m].
+        mass: Mass [kg]; may be left out where no bound, limit or external wrench makes it matter.
+        cone: "exact", "inscribed" or "circumscribed", or a ConeChoice.
+        sides: Sides of the pyramids.
+        heading: Heading of the pyramids [rad].
+        form: "socp" or "sdp".
+        engine: "auto" or the name of an engine.
+        gravity: Acceleration of gravity in world axes, shape (3,) [m/s^2].
+        external_wrenches: Wrenches impressed on the robot; they stay where they are.
+
+    Returns:
+        The region.
+
+    Raises:
+        InputError: A number, name or choice is wrong; gravity is zero or horizontal.
+        EngineError: No engine settled the region.
+    """
+    with_com = isinstance(contacts, Stance)
+    com = None if with_com else (0.0, 0.0, height)
+    stance = stance_of(contacts, com, mass, gravity, external_wrenches)
+    choice = cone_choice(cone, sides, heading)
+    if not 0.0 < tolerance < 1.0:
+        raise InputError(f"tolerance must be between 0 and 1, got {tolerance!r}", name="tolerance", field="tolerance")
+    if abs(stance.gravity[2]) <= 1e-9 * np.linalg.norm(stance.gravity):
+        raise InputError("gravity must not be zero or horizontal for a support region", name="posture", field="gravity")
+    data = assemble(stance)
+    plane = com_plane(data)
+    engines = engines_for(engine)
+    broken = None
+    for handovers, one in enumerate(engines):
+        try:
+            return _Tracer(data, plane, choice, form, one, tolerance, data.com[:2] if with_com else None, handovers).region()
+        except EngineError as error:
+            broken = error
+    assert broken is not None
+    raise broken
+
+
+class _Tracer:
+    """One tracing with one engine; scaled coordinates about the centre of the contacts."""
+
+    def __init__(self, data: StaticsData, plane: CoMPlane, cone: ConeChoice, form: str, engine: Engine, tolerance: float,
+                 com: Array | None, handovers: int):  # fmt: skip
+        self.data, self.plane, self.cone, self.form, self.engine = data, plane, cone, form, engine
+        self.tolerance, self.com, self.handovers = tolerance, com, handovers
+        self.solves = 0
+
+    def region(self) -> SupportRegion:
+        if self.plane.twist is not None:
+            return self._empty()
+        k = self.plane.axes.shape[1]
+        return (self._point, self._segment, self._plane)[k]()
+
+    def _point(self) -> SupportRegion:
+        """No free coordinate: one position is in reach, it is the region or there is none."""
+        position = self.plane.origin
+        compiled = self.engine.compile(EQUILIBRIUM, force_shape(self.data, self.cone, self.form, self.plane.basis.shape[1]))
+        load = self.data.load + self.data.com_load @ (position - self.data.com[:2])
+        values = {**force_values(self.data, self.cone, self.plane.basis), "load": self.plane.basis.T @ load, "cap": 1.0}
+        solution = compiled.solve(values)
+        self.solves += 1
+        if solution.status == INFEASIBLE or (solution.status == SOLVED and solution.objective < -NARROW):
+            return self._empty()
+        if solution.status != SOLVED:
+            raise EngineError(f"engine {self.engine.name} did not settle whether a point is in balance", name=self.engine.name)
+        return self._flat([position], [solution], [])
+
+    def _segment(self) -> SupportRegion:
+        """One free coordinate: its two ends."""
+        directions = Directions(self.data, self.plane, self.cone, self.form, self.engine)
+        ends = [directions.solve((sign,)) for sign in (-1.0, 1.0)]
+        self.solves += 2
+        if ends[0].status == INFEASIBLE:
+            return self._empty()
+        if UNBOUNDED in (ends[0].status, ends[1].status):
+            return self._endless_line(ends)
+        points = [directions.position(e.variables["s"]) for e in ends]
+        bounds = [directions.position(np.array([sign * e.bound])) for sign, e in zip((-1.0, 1.0), ends, strict=True)]
+        return self._flat(points, ends, bounds)
+
+    def _flat(self, points: list[Array], solutions: list[Solution], bounds: list[Array]) -> SupportRegion:
+        """A segment, or a point where it is too short to be one."""
+        length = float(np.linalg.norm(points[-1] - points[0]))
+        if length < NARROW:
+            points, solutions, bounds = points[:1], solutions[:1], points[:1]
+            gap = 0.0
+        else:
+            outer = float(np.linalg.norm(bounds[-1] - bounds[0]))
+            gap = max(outer - length, 0.0) / max(outer, length)
+        kind = "segment" if len(points) == 2 else "point"
+        inner = np.array(points)
+        margin = None if self.com is None else float(polygon.distance(inner, self.com))
+        twists = [np.zeros(6) for _ in bounds]
+        return self._result(kind, inner, np.array(bounds), np.zeros((0, 2)), gap, margin, solutions, twists)
+
+    def _endless_line(self, ends: list[Solution]) -> SupportRegion:
+        """One free coordinate without an end on one side or both."""
+        axis = self.plane.axes[:, 0]
+        clipped = Directions(self.data, self.plane, self.cone, self.form, self.engine, clip=self._reach_along(axis))
+        found = [clipped.solve((sign,)) for sign in (-1.0, 1.0)]
+        self.solves += 2
+        if any(s.status != SOLVED for s in found):
+            raise EngineError(f"engine {self.engine.name} did not settle an endless segment", name=self.engine.name)
+        points = np.array([clipped.position(s.variables["s"]) for s in found])
+        rays = np.array([sign * axis + 0.0 for sign, end in zip((-1.0, 1.0), ends, strict=True) if end.status == UNBOUNDED])
+        margin = None if self.com is None else min(float(polygon.distance(points, self.com)), 0.0)
+        return self._result("unbounded", points, points, rays, 0.0, margin, found, [np.zeros(6)] * 2)
+
+    def _reach_along(self, axis: Array) -> float:
+        """How far a line may go before it leaves the clipping square on either side."""
+        start = self.plane.origin
+        ends = [(CLIP - np.sign(a) * s * sign) / abs(a) for a, s in zip(axis, start, strict=True) if abs(a) > 0 for sign in (1.0, -1.0)]
+        return float(max(min(ends), 0.0))
+
+    def _plane(self) -> SupportRegion:
+        """Two free coordinates."""
+        directions = Directions(self.data, self.plane, self.cone, self.form, self.engine)
+        try:
+            sandwich = Sandwich(directions.support, [directions.support(d) for d in START])
+        except EmptyRegion:
+            self.solves += directions.queries
+            return self._empty()
+        except UnboundedDirection:
+            self.solves += directions.queries
+            return self._endless()
+        return self._enclosed(directions, sandwich)
+
+    def _enclosed(self, directions: Directions, sandwich: Sandwich) -> SupportRegion:
+        thin = not sandwich.refine(self.tolerance, self._is_thin) or self._is_thin(sandwich)
+        if thin:
+            self.solves += directions.queries
+            return self._narrow(directions, sandwich)
+        margin = None if self.com is None else refined_margin(sandwich, self.com, None)
+        self.solves += directions.queries
+        return self._polygon("polygon", directions, sandwich, np.zeros((0, 2)), margin)
+
+    @staticmethod
+    def _is_thin(sandwich: Sandwich) -> bool:
+        return polygon.width(sandwich.polygon()) < NARROW
+
+    def _narrow(self, directions: Directions, sandwich: Sandwich) -> SupportRegion:
+        """A region without width: its two farthest attained points."""
+        supports = sandwich.supports()
+        P = np.array([s.c for s in supports])
+        away = np.linalg.norm(P[:, None] - P[None], axis=2)
+        i, j = (int(k) for k in np.unravel_index(int(np.argmax(away)), away.shape))
+        if away[i, j] < NARROW:
+            return self._flat([P[i]], [supports[i].kept], [])
+        u = (P[j] - P[i]) / away[i, j]
+        ends = [directions.support((float(-u[0]), float(-u[1]))), directions.support((float(u[0]), float(u[1])))]
+        self.solves += 2
+        bounds = [np.array(e.c) + (e.h - float(np.dot(e.d, e.c))) * np.array(e.d) for e in ends]
+        return self._flat([np.array(e.c) for e in ends], [e.kept for e in ends], bounds)
+
+    def _endless(self) -> SupportRegion:
+        """A region without end: its recession cone, and what lies in the clipping square."""
+        cone = Directions(recession(self.data), CoMPlane(np.zeros(2), np.eye(2), self.plane.basis, None), self.cone, self.form,
+                          self.engine, clip=1.0)  # fmt: skip
+        growth = Sandwich(cone.support, [cone.support(d) for d in START])
+        growth.refine(1e-7, self._is_thin)
+        rays = _recession_rays(np.array([s.c for s in growth.supports()]))
+        self.solves += cone.queries
+        if not len(rays):
+            raise EngineError(f"engine {self.engine.name} found a region without end but no direction of growth", name=self.engine.name)
+        directions = Directions(self.data, self.plane, self.cone, self.form, self.engine, clip=CLIP)
+        try:
+            sandwich = Sandwich(directions.support, [directions.support(d) for d in START])
+        except EmptyRegion:
+            self.solves += directions.queries
+            return self._result("unbounded", np.zeros((0, 2)), np.zeros((0, 2)), rays, 0.0, None, [], [])
+        sandwich.refine(self.tolerance, self._is_thin)
+        margin = None if self.com is None else refined_margin(sandwich, self.com, CLIP)
+        self.solves += directions.queries
+        return self._polygon("unbounded", directions, sandwich, rays, margin)
+
+    def _polygon(self, kind: str, directions: Directions, sandwich: Sandwich, rays: Array, margin: float | None) -> SupportRegion:
+        supports = sandwich.supports()
+        inner = np.array([s.c for s in supports])
+        mine = polygon.corners(inner, CORNER)
+        used, outer = sandwich.outer_polygon()
+        a, b = polygon.area(inner[mine]), polygon.area(outer)
+        gap = max(0.0, (b - a) / b)
+        twists = [directions.twist(supports[k].kept) for k in used]
+        return self._result(kind, inner[mine], outer, rays, gap, margin, [supports[k].kept for k in mine], twists)
+
+    def _empty(self) -> SupportRegion:
+        none = np.zeros((0, 2))
+        return self._result("empty", none, none, none, 0.0, None, [], [])
+
+    def _result(self, kind: str, inner: Array, outer: Array, rays: Array, gap: float, margin: float | None,
+                solutions: list[Solution], twists: list[Array]) -> SupportRegion:  # fmt: skip
+        units = self.data.units
+        origin, length = units.origin[:2], units.length
+        reach = CLIP * length
+        square = (origin[0] - reach, origin[0] + reach, origin[1] - reach, origin[1] + reach)
+        return SupportRegion(
+            kind=kind,
+            inner=origin + length * inner,
+            outer=origin + length * outer,
+            rays=rays,
+            relative_gap=gap,
+            solves=self.solves,
+            cone=self.cone,
+            engine=self.engine.name,
+            handovers=self.handovers,
+            com_margin=None if margin is None else 0.0 if -ON_EDGE < margin <= 0.0 else margin * length,
+            clip=tuple(float(v) for v in square) if kind == "unbounded" else None,  # type: ignore[arg-type]
+            _data=self.data,
+            _inner_solutions=tuple(solutions),
+            _outer_twists=tuple(twists),
+        )
+
+
+def _recession_rays(points: Array) -> Array:
+    """Generators of a plane cone from the corners of its part in the unit square; none for the origin alone."""
+    far = points[np.abs(points).max(axis=1) > 0.5]
+    if not len(far):
+        return np.zeros((0, 2))
+    angles = np.sort(np.arctan2(far[:, 1], far[:, 0]))
+    gaps = np.diff(np.append(angles, angles[0] + 2 * np.pi))
+    k = int(np.argmax(gaps))
+    if gaps[k] < np.pi - 1e-6:
+        return np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
+    first, last = angles[(k + 1) % len(angles)], angles[k]
+    span = (last - first) % (2 * np.pi)
+    at = [first] if span < 1e-6 else [first, first + span] if span < np.pi - 1e-6 or len(far) == 2 else [first, first + span / 2, first + span]
+    rays = np.column_stack([np.cos(at), np.sin(at)])
+    rays[np.abs(rays) < 1e-9] = 0.0
+    return rays
