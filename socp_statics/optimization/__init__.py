@@ -1,0 +1,5 @@
+"""Optimal contact forces of a static posture (3.7.2)."""
+
+from socp_statics.optimization.contact_forces import optimise_contact_forces as optimise_contact_forces
+from socp_statics.optimization.force_answer import ForceAnswer as ForceAnswer
+from socp_statics.optimization.minimax_wrench import minimise_largest_wrench as minimise_largest_wrench

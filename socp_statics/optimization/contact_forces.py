@@ -1,0 +1,99 @@
+"""Force optimisation: the best contact forces of a stance (3.7.2)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from socp_statics.cones.choice import ConeChoice, cone_choice
+from socp_statics.contacts import Stance
+from socp_statics.contacts.numbers import vector
+from socp_statics.engines.engine import Engine
+from socp_statics.engines.solution import SOLVED, Solution
+from socp_statics.exceptions import InputError
+from socp_statics.models.contact_forces import MODEL, ContactForcesShape
+from socp_statics.models.contact_forces_set import force_shape, force_values
+from socp_statics.optimization.force_answer import ForceAnswer, answer_of, infeasible, settled
+from socp_statics.optimization.force_rows import force_rows, groups
+from socp_statics.spatial import Array
+from socp_statics.stability import check_equilibrium
+from socp_statics.statics import StaticsData, assemble, wrench_range
+
+OBJECTIVES = ("least_squares", "normal_force", "reference")
+
+
+def optimise_contact_forces(
+    stance: Stance,
+    objective: str = "least_squares",
+    *,
+    reference_forces: Mapping[str, Any] | None = None,
+    cone: str | ConeChoice = "exact",
+    sides: int | None = None,
+    heading: float | None = None,
+    form: str = "socp",
+    engine: str = "auto",
+) -> ForceAnswer:
+    """Balancing contact forces that minimise an objective, with exact cones or pyramids.
+
+    Args:
+        stance: Contacts, centre of mass and loads.
+        objective: "least_squares", sum of |f_i|^2 over points and handles [N^2]; "normal_force", sum of the normal forces [N];
+            "reference", sum of |F_k - F_ref,k|^2 over the contacts named in ``reference_forces`` [N^2].
+        reference_forces: Resultant contact forces in world axes by contact, shape (3,) each [N].
+        cone: "exact", "inscribed" or "circumscribed", or a ConeChoice.
+        sides: Sides of the pyramids.
+        heading: Heading of the pyramids [rad].
+        form: "socp" or "sdp".
+        engine: "auto" or the name of an engine.
+
+    Returns:
+        The forces; status "infeasible" with the motion behind it where nothing balances.
+
+    Raises:
+        InputError: Unknown objective or contact, or references that do not fit.
+        EngineError: No engine settled the program.
+    """
+    if objective not in OBJECTIVES:
+        raise InputError(f"objective must be one of {', '.join(OBJECTIVES)}, got {objective!r}", name="objective", field="objective")
+    if (objective == "reference") != bool(reference_forces):
+        raise InputError("reference_forces must be given for the objective 'reference' and for no other", field="reference_forces")
+    choice = cone_choice(cone, sides, heading)
+    data = assemble(stance)
+    F, reference = _measured(data, objective, reference_forces or {})
+    equilibrium = check_equilibrium(stance, cone=choice, form=form, engine=engine)
+    if equilibrium.verdict == "unstable":
+        return infeasible(equilibrium)
+    reach = wrench_range(data.wrench_map)
+    shape = ContactForcesShape(force_shape(data, choice, form, reach.rank), objective, len(F))
+    values = force_values(data, choice, reach.basis) | {"F": F, "reference": reference}
+
+    def solve(one: Engine) -> Solution:
+        return one.compile(MODEL, shape).solve(values)
+
+    solution, handovers = settled(data, choice, engine, solve, f"objective '{objective}'")
+    if solution.status != SOLVED:
+        return infeasible(equilibrium)
+    W = data.units.force
+    value = solution.objective * (W if objective == "normal_force" else W**2)
+    return answer_of(data, choice, solution.variables["x"], "solved", value, solution.residuals.gap, solution.engine, handovers, equilibrium)
+
+
+def _measured(data: StaticsData, objective: str, references: Mapping[str, Any]) -> tuple[Array, Array]:
+    """Rows of the measured force components and their reference values, scaled."""
+    if objective == "normal_force":
+        return np.zeros((0, data.wrench_map.shape[1])), np.zeros(0)
+    if objective == "least_squares":
+        F = np.vstack([force_rows(data, g) for g in groups(data, "point")])
+        F = F[np.abs(F).sum(axis=1) > 0]
+        return F, np.zeros(len(F))
+    by_name = {data.names[g.contact]: g for g in groups(data, "contact")}
+    rows, wanted = [], []
+    for name, force in references.items():
+        if name not in by_name:
+            known = ", ".join(by_name)
+            raise InputError(f"reference_forces: contact '{name}' is not known; known: {known}", name=name, field="reference_forces")
+        wanted.append(vector(name, "reference_forces", force, 3) / data.units.force)
+        rows.append(data.rotation[by_name[name].contact] @ force_rows(data, by_name[name]))
+    return np.vstack(rows), np.concatenate(wanted)
