@@ -119,6 +119,7 @@ class SupportRegion:
     def as_record(self) -> dict[str, Any]:
         """The record's entry."""
         forces, multipliers = self.inner_forces, self.outer_multipliers
+        acting = list(zip(forces[0].contact, forces[0].point_W.tolist(), strict=True)) if forces else []
         return {
             "kind": self.kind,
             "inner": self.inner.tolist(),
@@ -128,9 +129,12 @@ class SupportRegion:
             "relative_gap": self.relative_gap,
             "rays": self.rays.tolist(),
             "solves": self.solves,
-            "points": [{"contact": c, "point": p.tolist()} for c, p in zip(forces[0].contact, forces[0].point_W, strict=True)]
-            if forces
-            else [],
-            "inner_forces": [np.hstack([f.force_W, f.moment_W[:, f.moment_carrying.any() and slice(0, 3) or slice(0, 0)]]).tolist() for f in forces],
+            "points": [{"contact": contact, "point": point} for contact, point in acting],
+            "inner_forces": [_components(f).tolist() for f in forces],
             "outer_multipliers": [[*linear.tolist(), *angular.tolist()] for linear, angular in multipliers],
         }
+
+
+def _components(forces: PointForces) -> Array:
+    """Forces of all points, shape (n, 3), with their moments, (n, 6), where any point can carry one."""
+    return np.hstack([forces.force_W, forces.moment_W]) if forces.moment_carrying.any() else forces.force_W

@@ -1,0 +1,1 @@
+"""Problem files in, records out: here a verdict, a region and a certificate become one answer."""

@@ -1,0 +1,14 @@
+"""The questions a problem can ask: one file for each model of the contract."""
+
+from socp_statics.registry import Registry
+
+ANSWERS = Registry("model", group="socp_statics.answers")
+_HERE = "socp_statics.cases.answers"
+ANSWERS.add("equilibrium", "can the stance be held: verdict, margin and certificate", f"{_HERE}.equilibrium:ANSWER")
+ANSWERS.add(
+    "contact_forces",
+    "the best balancing contact forces: least squares, normal force or nearest to given ones",
+    f"{_HERE}.contact_forces:ANSWER",
+)
+ANSWERS.add("minimax_wrench", "balancing contact forces whose largest measure is least", f"{_HERE}.minimax_wrench:ANSWER")
+ANSWERS.add("support_region", "where the centre of mass may be: inner and outer polygon", f"{_HERE}.support_region:ANSWER")

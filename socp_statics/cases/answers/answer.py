@@ -1,0 +1,99 @@
+"""What the answer to every model declares: its parameters, the keys of its records, and how it is computed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Literal, Self
+
+from pydantic import Field, ValidationInfo, field_validator, model_validator
+
+from socp_statics.cases.statement import Statement
+from socp_statics.cones.choice import ConeChoice
+from socp_statics.exceptions import InputError
+
+if TYPE_CHECKING:
+    from socp_statics.cases.problem import Problem
+    from socp_statics.contacts import Stance
+
+BY_CONTACT = "*"
+VECTOR: list[Any] = [None]
+RECORD_KEYS: dict[str, Any] = {
+    "schema": None,
+    "problem": None,
+    "model": None,
+    "hash": None,
+    "status": None,
+    "verdict": None,
+    "reason": None,
+    "cone": {"kind": None, "sides": None, "heading": None},
+    "margin": None,
+    "idle": [None],
+    "idle_margin": None,
+    "wrenches": [{"contact": None, "force": VECTOR, "moment": VECTOR}],
+    "forces": [{"contact": None, "point": VECTOR, "force": VECTOR, "moment": VECTOR}],
+    "certificate": {
+        "kind": None,
+        "linear": VECTOR,
+        "angular": VECTOR,
+        "point": VECTOR,
+        "power": None,
+        "reading": None,
+        "contacts": {BY_CONTACT: None},
+    },
+    "residuals": {"balance": None, "cone": None, "gap": None},
+    "engine": None,
+    "handovers": None,
+}
+
+
+class Parameters(Statement):
+    """``[parameters]`` that every model takes."""
+
+    cone: Literal["exact", "inscribed", "circumscribed"] = Field("exact", description="'exact', 'inscribed' or 'circumscribed'")
+    sides: int | None = Field(None, ge=3, description="a whole number >= 3")
+    heading: float | None = Field(None, description="a finite number [rad]")
+    form: Literal["socp", "sdp"] = Field("socp", description="'socp' or 'sdp'")
+    torque_limits: bool = Field(False, description="true or false")
+
+    @field_validator("torque_limits")
+    @classmethod
+    def _needs_a_robot(cls, value: bool) -> bool:
+        if value:
+            raise InputError("torque limits need a robot, and this posture has none: false is expected")
+        return value
+
+    @model_validator(mode="after")
+    def _is_a_cone(self) -> Self:
+        self.cone_choice()
+        return self
+
+    def cone_choice(self) -> ConeChoice:
+        """The friction cone or pyramid."""
+        return ConeChoice(self.cone, self.sides, self.heading)
+
+    def stated(self) -> dict[str, Any]:
+        """The parameters with defaults filled in, those of the pyramid where there is one."""
+        chosen = self.cone_choice()
+        pyramid = {} if chosen.kind == "exact" else {"sides": chosen.sides, "heading": chosen.heading}
+        return super().stated() | pyramid
+
+
+@dataclass(frozen=True)
+class Answer:
+    """One model of the contract.
+
+    Attributes:
+        parameters: The class of its ``[parameters]``.
+        compute: ``(problem, stance, engine) -> dict`` of the model's record keys.
+        record_keys: The keys its records can have, nested; a list holds what its entries hold, `BY_CONTACT` stands for a name.
+    """
+
+    parameters: type[Parameters]
+    compute: Callable[[Problem, Stance, str], dict[str, Any]]
+    record_keys: dict[str, Any] = field(default_factory=lambda: RECORD_KEYS)
+
+
+def contact_names(info: ValidationInfo) -> tuple[str, ...] | None:
+    """Names of the contacts of the problem whose parameters are validated, None where they are not known."""
+    return (info.context or {}).get("contacts")

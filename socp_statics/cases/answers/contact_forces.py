@@ -1,0 +1,86 @@
+"""``model = "contact_forces"``: the best of the contact forces that balance the load."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Literal, Self
+
+from pydantic import Field, ValidationInfo, model_validator
+
+from socp_statics.cases.answers.answer import RECORD_KEYS, Answer, Parameters, contact_names
+from socp_statics.cases.answers.equilibrium import verdict_keys
+from socp_statics.cases.statement import Vector3
+from socp_statics.exceptions import InputError
+from socp_statics.registry import nearest
+
+if TYPE_CHECKING:
+    from socp_statics.cases.problem import Problem
+    from socp_statics.contacts import Stance
+    from socp_statics.optimization import ForceAnswer
+
+
+class ContactForcesParameters(Parameters):
+    """``[parameters]`` of a force optimisation."""
+
+    objective: Literal["least_squares", "normal_force", "reference"] = Field(
+        "least_squares", description="'least_squares', 'normal_force' or 'reference'"
+    )
+    reference_forces: dict[str, Vector3] | None = Field(
+        None, description="a table of contact = [fx, fy, fz], finite numbers [N], world axes"
+    )
+
+    @model_validator(mode="after")
+    def _reference_is_complete(self, info: ValidationInfo) -> Self:
+        wanted = self.objective == "reference"
+        if wanted and not self.reference_forces:
+            raise InputError("reference_forces is missing, objective 'reference' needs it", field="reference_forces")
+        if self.reference_forces and not wanted:
+            raise InputError(f"reference_forces goes with objective 'reference', not with {self.objective!r}", field="reference_forces")
+        known = contact_names(info)
+        for name in self.reference_forces or {}:
+            if known is not None and name not in known:
+                raise InputError(f"reference_forces names {name!r}, which is no contact{nearest(name, known)}", field="reference_forces")
+        return self
+
+
+def force_answer_keys(found: ForceAnswer) -> dict[str, Any]:
+    """The record keys of an optimised choice of forces: the verdict's, with the optimal forces in place of the certificate's.
+
+    Args:
+        found: Of `socp_statics.optimization`.
+    """
+    keys = verdict_keys(found.equilibrium)
+    return keys | {
+        "status": found.status,
+        "objective": found.objective,
+        "wrenches": [] if found.forces is None else found.forces.wrenches(),
+        "forces": [] if found.forces is None else found.forces.entries(),
+        "residuals": dict(found.residuals),
+        "engine": found.engine,
+        "handovers": found.handovers,
+    }
+
+
+def answer(problem: Problem, stance: Stance, engine: str) -> dict[str, Any]:
+    """The forces with the least objective.
+
+    Args:
+        problem: Its parameters.
+        stance: Its stance.
+        engine: Name of the engine.
+    """
+    # the answers are listed and problems validated without a solver: it is imported when one is solved
+    from socp_statics.optimization import optimise_contact_forces
+
+    stated = problem.parameters
+    found = optimise_contact_forces(
+        stance,
+        stated["objective"],
+        reference_forces=stated.get("reference_forces"),
+        cone=problem.cone,
+        form=stated["form"],
+        engine=engine,
+    )
+    return force_answer_keys(found)
+
+
+ANSWER = Answer(ContactForcesParameters, answer, RECORD_KEYS | {"objective": None})

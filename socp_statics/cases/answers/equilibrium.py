@@ -1,0 +1,69 @@
+"""``model = "equilibrium"``: verdict, margin and certificate of one stance."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from pydantic import Field
+
+from socp_statics.cases.answers.answer import RECORD_KEYS, Answer, Parameters
+from socp_statics.cases.answers.safety import SAFETY_KEYS, safety_verdict
+
+if TYPE_CHECKING:
+    from socp_statics.cases.problem import Problem
+    from socp_statics.contacts import Stance
+    from socp_statics.stability import EquilibriumAnswer
+
+
+class EquilibriumParameters(Parameters):
+    """``[parameters]`` of an equilibrium problem."""
+
+    safety: float | None = Field(None, ge=0, description="a finite length >= 0 [m]")
+
+
+def verdict_keys(answer: EquilibriumAnswer) -> dict[str, Any]:
+    """The record keys that every model shares with the verdict of its stance.
+
+    Args:
+        answer: Of `socp_statics.stability`.
+    """
+    return {
+        "status": answer.status,
+        "verdict": answer.verdict,
+        "reason": answer.reason,
+        "cone": answer.cone.as_record(),
+        "objective": None,
+        "margin": answer.margin,
+        "idle": list(answer.idle),
+        "idle_margin": answer.idle_margin,
+        "wrenches": [] if answer.forces is None else answer.forces.wrenches(),
+        "forces": [] if answer.forces is None else answer.forces.entries(),
+        "certificate": None if answer.certificate is None else answer.certificate.as_record(),
+        "residuals": dict(answer.residuals),
+        "engine": answer.engine,
+        "handovers": answer.handovers,
+    }
+
+
+def answer(problem: Problem, stance: Stance, engine: str) -> dict[str, Any]:
+    """Verdict, margin and certificate; with ``safety`` also the verdict against the offset.
+
+    Args:
+        problem: Its parameters.
+        stance: Its stance.
+        engine: Name of the engine.
+    """
+    # the answers are listed and problems validated without a solver: it is imported when one is solved
+    from socp_statics.stability import check_equilibrium
+
+    stated, cone = problem.parameters, problem.cone
+    keys = verdict_keys(check_equilibrium(stance, cone=cone, form=stated["form"], engine=engine))
+    if "safety" in stated:
+        from socp_statics.regions import trace_support_region
+
+        region = trace_support_region(stance, cone=cone, form=stated["form"], engine=engine)
+        keys["safety"] = safety_verdict(stance, region.com_margin, stated["safety"])
+    return keys
+
+
+ANSWER = Answer(EquilibriumParameters, answer, RECORD_KEYS | SAFETY_KEYS)

@@ -1,0 +1,80 @@
+"""``model = "support_region"``: where the CoM may be, and the verdict, margin and certificate where it is."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from pydantic import Field
+
+from socp_statics.cases.answers.answer import RECORD_KEYS, VECTOR, Answer
+from socp_statics.cases.answers.equilibrium import EquilibriumParameters, verdict_keys
+from socp_statics.cases.answers.safety import SAFETY_KEYS, safety_verdict
+
+if TYPE_CHECKING:
+    from socp_statics.cases.problem import Problem
+    from socp_statics.contacts import Stance
+
+REGION_KEYS: dict[str, Any] = {
+    "com_margin": None,
+    "region": {
+        "kind": None,
+        "inner": [VECTOR],
+        "outer": [VECTOR],
+        "inner_area": None,
+        "outer_area": None,
+        "relative_gap": None,
+        "rays": [VECTOR],
+        "solves": None,
+        "points": [{"contact": None, "point": VECTOR}],
+        "inner_forces": [None],
+        "outer_multipliers": [None],
+    },
+}
+
+
+class SupportRegionParameters(EquilibriumParameters):
+    """``[parameters]`` of a support region."""
+
+    tolerance: float = Field(1e-3, gt=0, lt=1, description="a number > 0 and < 1: (outer area - inner area) / outer area")
+
+
+def agree(com_margin: float | None, verdict: str) -> float | None:
+    """The CoM margin with a sign that does not contradict the verdict, which is the sharper of the two.
+
+    Args:
+        com_margin: Distance to the edge of the region, negative outside, None if the region is empty [m].
+        verdict: Of the stance.
+    """
+    if com_margin is None or verdict == "undecided":
+        return com_margin
+    return max(com_margin, 0.0) if verdict == "stable" else min(com_margin, 0.0)
+
+
+def answer(problem: Problem, stance: Stance, engine: str) -> dict[str, Any]:
+    """The region with its certificates, and the verdict at the posture's CoM.
+
+    Args:
+        problem: Its parameters.
+        stance: Its stance.
+        engine: Name of the engine.
+    """
+    from socp_statics.regions import trace_support_region
+    from socp_statics.stability import check_equilibrium
+
+    stated, settings = problem.parameters, {"cone": problem.cone, "form": problem.parameters["form"], "engine": engine}
+    region = trace_support_region(stance, stated["tolerance"], **settings)
+    keys = verdict_keys(check_equilibrium(stance, **settings))
+    com_margin = agree(region.com_margin, keys["verdict"])
+    keys |= {
+        "status": "solved",
+        "com_margin": com_margin,
+        "region": region.as_record(),
+        "engine": region.engine if region.handovers else keys["engine"],
+        "handovers": keys["handovers"] + region.handovers,
+    }
+    if "safety" in stated:
+        keys["safety"] = safety_verdict(stance, com_margin, stated["safety"])
+    return keys
+
+
+ANSWER = Answer(SupportRegionParameters, answer, RECORD_KEYS | REGION_KEYS | SAFETY_KEYS)

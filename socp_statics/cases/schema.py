@@ -1,0 +1,153 @@
+"""The problem file as a whole: every fault of every table, found in one pass and named by its key path."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from pydantic import Field
+
+from socp_statics.cases.answers import ANSWERS
+from socp_statics.cases.dotted import key_text, parse_key, resolve, with_value
+from socp_statics.cases.expect import ExpectationStatement, check_expected_key, is_expectation
+from socp_statics.cases.posture_statements import GENERATORS
+from socp_statics.cases.statement import Statement, read_statement
+from socp_statics.cases.sweep import Values, case_values, flatten_keys, is_range, sweep_values
+from socp_statics.exceptions import InputError
+
+Table = dict[str, Any]
+
+
+class ProblemStatement(Statement):
+    """The top of a problem file."""
+
+    description: str = Field("", description="a sentence in quotes")
+    model: str = Field(description="the name of a model, see socp-statics list models")
+    reference: str = Field("", description="a sentence in quotes")
+    posture: Table = Field(description="a table [posture]")
+    parameters: Table = Field({}, description="a table [parameters]")
+    sweep: Table = Field({}, description="a table [sweep]")
+    expect: Table = Field({}, description="a table [expect]")
+
+
+class Reading(NamedTuple):
+    """A valid problem: the tables with their defaults filled in."""
+
+    top: ProblemStatement
+    posture: Table
+    parameters: Table
+    sweep: dict[str, Values]
+    expect: dict[str, Table]
+
+
+def read_problem(raw: Mapping[str, Any], label: str) -> Reading:
+    """Validate a problem.
+
+    Args:
+        raw: The file as TOML reads it.
+        label: The file or problem, for the error sentence.
+
+    Returns:
+        The tables with their defaults. With a ``[sweep]``, posture and parameters are those of its first case.
+
+    Raises:
+        InputError: One sentence with every fault: ``label: key ...; key ...``.
+    """
+    faults: dict[str, str] = {}
+    sweep = _read_sweep(raw, faults)
+    first = raw if faults else _first_case(raw, sweep, faults)
+    top = read_statement(ProblemStatement, first, (), faults)
+    tables = {key: first[key] for key in ("posture", "parameters", "expect") if isinstance(first.get(key), Mapping)}
+    posture = _read_posture(tables["posture"], faults) if "posture" in tables else None
+    contacts = tuple(entry["name"] for entry in posture["contacts"]) if posture else None
+    parameters, expect = _read_model(first.get("model"), tables, contacts, faults)
+    for key in sweep:
+        path = key_text(resolve(first, parse_key(key, "sweep"), "sweep"))
+        if path in faults:
+            faults[path] += f" (set by sweep key {key})"
+    if faults or top is None or posture is None:
+        raise InputError(f"{label}: {'; '.join(faults.values())}", name=label, field=next(iter(faults)))
+    return Reading(top, posture, parameters, sweep, expect)
+
+
+def _collect(faults: dict[str, str], path: str, error: InputError) -> None:
+    faults.setdefault(path, f"{path}: {str(error).removeprefix('sweep: ').removeprefix('expect: ')}")
+
+
+def _read_sweep(raw: Mapping[str, Any], faults: dict[str, str]) -> dict[str, Values]:
+    stated = raw.get("sweep", {})
+    sweep: dict[str, Values] = {}
+    for key, values in flatten_keys(stated, is_range).items() if isinstance(stated, Mapping) else ():
+        try:
+            parts = resolve(raw, parse_key(key, "sweep"), "sweep")
+            sweep[key] = sweep_values(key, values)
+            if parts[0] in ("sweep", "expect", "description", "reference"):
+                raise InputError(f"{parts[0]} cannot be swept, a key of posture or parameters is expected", name=key, field="sweep")
+        except InputError as error:
+            _collect(faults, key_text(("sweep", key)), error)
+    return sweep
+
+
+def _first_case(raw: Mapping[str, Any], sweep: dict[str, Values], faults: dict[str, str]) -> Mapping[str, Any]:
+    """The raw tables of the first case of a sweep, so that a sweep over an unknown key is found without expanding it."""
+    if not sweep:
+        return raw
+    try:
+        return swept_tables(raw, sweep, 0)
+    except InputError as error:
+        _collect(faults, "sweep", error)
+        return raw
+
+
+def swept_tables(raw: Mapping[str, Any], sweep: Mapping[str, Values], number: int) -> Table:
+    """The raw tables of one case: swept keys set, ``[sweep]`` removed.
+
+    Args:
+        raw: The file as TOML reads it.
+        sweep: Dotted key -> values.
+        number: From 0.
+    """
+    tables = {key: value for key, value in raw.items() if key != "sweep"}
+    for key, value in case_values(sweep, number).items():
+        tables = with_value(tables, parse_key(key, "sweep"), value, "sweep")
+    return tables
+
+
+def _read_posture(stated: Mapping[str, Any], faults: dict[str, str]) -> Table | None:
+    generator = stated.get("generator")
+    if not isinstance(generator, str):
+        sentence = f"must be a name in quotes, one of {', '.join(GENERATORS.names())}"
+        faults["posture.generator"] = f"posture.generator {sentence}" + (
+            f", got {generator!r}" if "generator" in stated else ", it is missing"
+        )
+        return None
+    try:
+        table: type[Statement] = GENERATORS.load(generator)
+    except InputError as error:
+        _collect(faults, "posture.generator", error)
+        return None
+    read = read_statement(table, stated, ("posture",), faults)
+    return read.stated() if read is not None else None
+
+
+def _read_model(
+    model: Any, tables: Mapping[str, Any], contacts: tuple[str, ...] | None, faults: dict[str, str]
+) -> tuple[Table, dict[str, Table]]:
+    if not isinstance(model, str):
+        return {}, {}
+    try:
+        answer = ANSWERS.load(model)
+    except InputError as error:
+        _collect(faults, "model", error)
+        return {}, {}
+    read = read_statement(answer.parameters, tables.get("parameters", {}), ("parameters",), faults, contacts=contacts)
+    expect: dict[str, Table] = {}
+    for key, stated in flatten_keys(tables.get("expect", {}), is_expectation).items():
+        expectation = read_statement(ExpectationStatement, stated, ("expect", key), faults)
+        try:
+            check_expected_key(key, answer.record_keys, model, contacts)
+        except InputError as error:
+            _collect(faults, key_text(("expect", key)), error)
+        if expectation is not None:
+            expect[key] = expectation.stated()
+    return read.stated() if read is not None else {}, expect

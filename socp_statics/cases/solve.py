@@ -1,0 +1,139 @@
+"""From a problem to its record."""
+
+from __future__ import annotations
+
+import platform
+from importlib import metadata
+from typing import Any
+
+import socp_statics
+from socp_statics.cases.answers import ANSWERS
+from socp_statics.cases.expect import evaluate
+from socp_statics.cases.hashing import SCHEMA, case_hash, plain
+from socp_statics.cases.problem import Problem
+from socp_statics.cases.record import Record
+from socp_statics.contacts import Stance
+from socp_statics.exceptions import InputError
+from socp_statics.registry import nearest
+
+DISTRIBUTIONS = ("numpy", "scipy", "cvxpy-base", "clarabel")
+KEY_ORDER = (
+    "schema", "problem", "model", "hash", "case", "status", "verdict", "reason", "cone", "objective", "margin", "idle", "idle_margin",
+    "com_margin", "wrenches", "forces", "region", "certificate", "safety", "residuals", "expect", "engine", "handovers", "versions",
+)  # fmt: skip
+
+
+def solve(problem: Problem, engine: str = "auto") -> Record:
+    """Answer a problem.
+
+    Args:
+        problem: A single problem, or one case of a sweep.
+        engine: A registered engine, or ``"auto"``: Clarabel, and what it cannot settle goes to the reference engine.
+
+    Returns:
+        The record, with its expectations compared.
+
+    Raises:
+        InputError: The problem is a sweep, the engine is unknown, or the stance makes no sense for the model.
+        EngineError: The computation broke down.
+    """
+    chosen = first_engine(engine)
+    stance = problem.stance()
+    try:
+        keys = ANSWERS.load(problem.model).compute(problem, stance, engine)
+    except InputError as error:
+        raise InputError(f"{problem.label}: {_key_of(error, problem)}{error}", name=problem.label, field=error.field) from error
+    return _record(problem, stance, chosen, keys)
+
+
+def first_engine(engine: str) -> str:
+    """The engine that is asked first, before any handover.
+
+    Args:
+        engine: A registered name or ``"auto"``.
+
+    Raises:
+        InputError: There is no such engine.
+    """
+    # the engines' room imports solvers, which listing and showing do without
+    from socp_statics.engines import AUTO, ENGINES
+
+    if engine != "auto" and engine not in ENGINES.names():
+        known = nearest(engine, ("auto", *ENGINES.names()))
+        raise InputError(f"engine {engine!r} is not known{known}", name=engine, field="engine")
+    return AUTO[0] if engine == "auto" else engine
+
+
+def failed_record(problem: Problem, engine: str, reason: str) -> Record:
+    """The record of a problem whose computation broke down: verdict undecided, no margin, no forces.
+
+    Args:
+        problem: A single problem.
+        engine: As for `solve`.
+        reason: What the engine said.
+    """
+    keys: dict[str, Any] = {
+        "status": "failed",
+        "verdict": "undecided",
+        "reason": None,
+        "cone": problem.cone.as_record(),
+        "objective": None,
+        "margin": None,
+        "idle": [],
+        "idle_margin": None,
+        "wrenches": [],
+        "forces": [],
+        "certificate": None,
+        "residuals": {"balance": None, "cone": None, "gap": None},
+        "engine": first_engine(engine),
+        "handovers": 0,
+        "failure": reason,
+    }
+    return _record(problem, problem.stance(), first_engine(engine), keys)
+
+
+def unmet(record: Record) -> list[str]:
+    """One sentence for each expectation that does not hold.
+
+    Args:
+        record: Of `solve`.
+    """
+    return [
+        f"[expect] {entry['key']} is {entry['value']!r}, expected {entry['expected']!r}"
+        + (f" within {entry['tolerance']:g}" if entry["tolerance"] else "")
+        + (f" ({entry['source']})" if entry["source"] else "")
+        for entry in record["expect"]
+        if not entry["ok"]
+    ]
+
+
+def versions() -> dict[str, str]:
+    """Versions of the toolkit, of Python and of the libraries that decide the numbers."""
+    own = {"socp_statics": socp_statics.__version__, "python": platform.python_version()}
+    return own | {name.removesuffix("-base"): metadata.version(name) for name in DISTRIBUTIONS}
+
+
+def _record(problem: Problem, stance: Stance, engine: str, keys: dict[str, Any]) -> Record:
+    stated = problem.stated()
+    generated = {"contacts": [contact.statement() for contact in stance.contacts], "com": stance.com, "mass": stance.mass}
+    entries = {
+        "schema": SCHEMA,
+        "problem": problem.name,
+        "model": problem.model,
+        "hash": case_hash(stated, engine),
+        "case": stated | {"generated": generated},
+        "com_margin": None,
+        **keys,
+        "versions": versions(),
+    }
+    entries["expect"] = evaluate(problem.expect, plain(entries))
+    order = [*(key for key in KEY_ORDER if key in entries), *(key for key in entries if key not in KEY_ORDER)]
+    return Record({key: entries[key] for key in order})
+
+
+def _key_of(error: InputError, problem: Problem) -> str:
+    """The key path of what the solving layers complain about, where it is a key of the file."""
+    for table in ("posture", "parameters"):
+        if error.field in getattr(problem, table):
+            return f"{table}.{error.field}: "
+    return ""
