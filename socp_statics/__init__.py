@@ -38,8 +38,8 @@ _HOMES = {
 }
 
 if TYPE_CHECKING:
-    from socp_statics.cases.record import Record as Record
     from socp_statics.cases.problem import load_problem as load_problem
+    from socp_statics.cases.record import Record as Record
     from socp_statics.cases.solve import solve as solve
     from socp_statics.comparison import compare_regions as compare_regions
     from socp_statics.cones import ConeChoice as ConeChoice

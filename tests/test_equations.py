@@ -21,7 +21,8 @@ NOT_BUILT_YET = {
 
 def tags():
     text = "\n".join(path.read_text() for path in sorted(PACKAGE.rglob("*.py")))
-    return Counter(number for line in re.findall(r"^\s*Implements (\(3\.\d+\).*)$", text, re.M) for number in re.findall(r"\((3\.\d+)\)", line))
+    lines = re.findall(r"^\s*Implements (\(3\.\d+\).*)$", text, re.M)
+    return Counter(number for line in lines for number in re.findall(r"\((3\.\d+)\)", line))
 
 
 def test_every_equation_has_one_home_or_is_listed():

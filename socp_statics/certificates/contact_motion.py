@@ -60,9 +60,8 @@ def contact_motion(data: StaticsData, cone: ConeChoice, twist: Array) -> Contact
         The motion at the contacts.
     """
     rates = data.wrench_map.T @ twist
-    velocity = np.zeros((data.points, 3))
-    velocity[: data.slipping, :2] = rates[data.tangential].reshape(-1, 2)
-    velocity[:, 2] = rates[data.normal]
+    velocity_W = twist[:3] + np.cross(twist[3:], data.point)
+    velocity = np.einsum("nij,ni->nj", data.rotation[data.contact_of_point], velocity_W)
     spin = np.zeros(data.points)
     spin[data.circular - data.box : data.slipping] = data.torsion * np.abs(rates[data.torsional])
     grip = velocity[:, 2].copy()

@@ -120,8 +120,10 @@ def reading(data: StaticsData, motion: ContactMotion, com_velocity: Array, turni
     if opening:
         alone = not parts
         verb = "open" if len(opening) > 1 else "opens"
-        falls = f"falls along {direction_words(com_velocity)}: " if alone and np.linalg.norm(com_velocity) > 0 else ""
-        parts.append(f"{falls}{_and(opening)} {verb}")
+        leaves = ""
+        if alone and np.linalg.norm(com_velocity) > 0:
+            leaves = f"{'falls' if com_velocity[2] < 0 else 'leaves'} along {direction_words(com_velocity)}: "
+        parts.append(f"{leaves}{_and(opening)} {verb}")
     return ", ".join(parts)
 
 

@@ -34,6 +34,8 @@ class Contact:
 
     type: ClassVar[str]
     unilateral: ClassVar[bool] = True
+    _hard: tuple[str, ...] = ("fz",)
+    _soft: ClassVar[tuple[str, ...]] = ("fx", "fy")
     name: str
     position: Array
     rotation: Array
@@ -83,12 +85,16 @@ class Contact:
     @property
     def hard(self) -> tuple[str, ...]:
         """Wrench components transmitted without slip, whatever the friction: the hard constraint directions."""
-        return ("fz",)
+        return self._hard
 
     @property
     def soft(self) -> tuple[str, ...]:
         """Wrench components that stem from friction: the soft constraint directions."""
-        return () if self.frictionless else ("fx", "fy")
+        return () if self.frictionless else self._soft
+
+    def _shape(self) -> dict[str, Any]:
+        """The keys that only this type of contact has."""
+        return {}
 
     def statement(self) -> dict[str, Any]:
         """The contact as an entry of ``[[posture.contacts]]`` that can be stated again."""
@@ -102,7 +108,7 @@ class Contact:
             entry["friction"] = self.friction
         if self.normal_force is not None:
             entry["normal_force"] = list(self.normal_force)
-        return entry
+        return entry | self._shape()
 
 
 class PointContact(Contact):
@@ -135,6 +141,8 @@ class SurfaceContact(Contact):
     """
 
     type = "surface"
+    _hard = ("fz", "mx", "my")
+    _soft = ("fx", "fy", "mz")
     vertices: Array
     rectangle: tuple[float, float] | None
 
@@ -154,17 +162,8 @@ class SurfaceContact(Contact):
             sides, corners = None, convex_polygon(name, vertices)
         self._freeze(points_C=corners, vertices=corners, rectangle=sides)
 
-    @property
-    def hard(self) -> tuple[str, ...]:
-        return ("fz", "mx", "my")
-
-    @property
-    def soft(self) -> tuple[str, ...]:
-        return () if self.frictionless else ("fx", "fy", "mz")
-
-    def statement(self) -> dict[str, Any]:
-        shape = {"size": list(self.rectangle)} if self.rectangle else {"vertices": self.vertices.tolist()}
-        return super().statement() | shape
+    def _shape(self) -> dict[str, Any]:
+        return {"size": list(self.rectangle)} if self.rectangle else {"vertices": self.vertices.tolist()}
 
 
 class FrictionlessSurfaceContact(SurfaceContact):
@@ -186,6 +185,8 @@ class LineContact(Contact):
     """
 
     type = "line"
+    _hard = ("fz", "my")
+    _soft = ("fx", "fy", "mz")
     length: float
 
     def __init__(self, name: str, position: Any, rotation: Any = None, *, normal: Any = None, rpy: Any = None, friction: Any,
@@ -196,16 +197,8 @@ class LineContact(Contact):
             raise InputError(f"contact '{name}': size must be one length > 0, got {length:g}", name=name, field="size")
         self._freeze(points_C=np.array([[length / 2, 0.0], [-length / 2, 0.0]]), length=length)
 
-    @property
-    def hard(self) -> tuple[str, ...]:
-        return ("fz", "my")
-
-    @property
-    def soft(self) -> tuple[str, ...]:
-        return () if self.frictionless else ("fx", "fy", "mz")
-
-    def statement(self) -> dict[str, Any]:
-        return super().statement() | {"size": [self.length]}
+    def _shape(self) -> dict[str, Any]:
+        return {"size": [self.length]}
 
 
 class SoftFingerContact(Contact):
@@ -217,6 +210,7 @@ class SoftFingerContact(Contact):
     """
 
     type = "soft_finger"
+    _soft = ("fx", "fy", "mz")
     torsional_friction: float
     shape: str
 
@@ -228,12 +222,8 @@ class SoftFingerContact(Contact):
         gamma = scalar(name, "torsional_friction", torsional_friction, above=0.0)
         self._freeze(points_C=np.zeros((1, 2)), torsional_friction=gamma, shape=shape)
 
-    @property
-    def soft(self) -> tuple[str, ...]:
-        return () if self.frictionless else ("fx", "fy", "mz")
-
-    def statement(self) -> dict[str, Any]:
-        return super().statement() | {"torsional_friction": self.torsional_friction, "shape": self.shape}
+    def _shape(self) -> dict[str, Any]:
+        return {"torsional_friction": self.torsional_friction, "shape": self.shape}
 
 
 class Handle(Contact):
@@ -256,25 +246,19 @@ class Handle(Contact):
         unknown = [word for word in words if word not in COMPONENTS]
         if unknown or not words or len(set(words)) != len(words):
             what = f"got {unknown[0]!r}" if unknown else "got none" if not words else "one is named twice"
-            raise InputError(f"contact '{name}': transmits must name components of {', '.join(COMPONENTS)}, {what}", name=name, field="transmits")
+            message = f"contact '{name}': transmits must name components of {', '.join(COMPONENTS)}, {what}"
+            raise InputError(message, name=name, field="transmits")
         bounds = {key: interval(name, f"limits.{key}", value) for key, value in (limits or {}).items()}
         for key in bounds:
             if key not in words:
-                raise InputError(f"contact '{name}': limits.{key} limits a component that is not in transmits", name=name, field=f"limits.{key}")
+                message = f"contact '{name}': limits.{key} limits a component that is not in transmits"
+                raise InputError(message, name=name, field=f"limits.{key}")
         ordered = tuple(c for c in COMPONENTS if c in words)
-        self._freeze(points_C=np.zeros((1, 2)), transmits=ordered, limits=bounds)
+        self._freeze(points_C=np.zeros((1, 2)), transmits=ordered, _hard=ordered, limits=bounds)
 
-    @property
-    def hard(self) -> tuple[str, ...]:
-        return self.transmits
-
-    @property
-    def soft(self) -> tuple[str, ...]:
-        return ()
-
-    def statement(self) -> dict[str, Any]:
+    def _shape(self) -> dict[str, Any]:
         limits = {"limits": {key: list(value) for key, value in self.limits.items()}} if self.limits else {}
-        return super().statement() | {"transmits": list(self.transmits)} | limits
+        return {"transmits": list(self.transmits)} | limits
 
 
 CONTACT_TYPES: dict[str, type[Contact]] = {
@@ -307,7 +291,8 @@ def contact_from_statement(statement: dict[str, Any]) -> Contact:
     for key in keys:
         if key not in known:
             raise InputError(f"contact '{name}': {key} is not a key of a {kind} contact", name=name, field=key)
-    needed = [key for key in cls.__init__.__annotations__ if key not in (cls.__init__.__kwdefaults__ or {}) and key not in ("name", "rotation", "return")]
+    optional = {*(cls.__init__.__kwdefaults__ or {}), "name", "rotation", "return"}
+    needed = [key for key in cls.__init__.__annotations__ if key not in optional]
     for key in needed:
         if key not in keys:
             raise InputError(f"contact '{name}': {key} is missing, a {kind} contact needs it", name=name, field=key)

@@ -10,7 +10,7 @@ import clarabel
 import numpy as np
 from numpy.typing import ArrayLike
 
-from socp_statics.engines.conic_form import ConicData, ConicForm, Cones
+from socp_statics.engines.conic_form import Cones, ConicData, ConicForm
 from socp_statics.engines.solution import FAILED, INFEASIBLE, SOLVED, UNBOUNDED, Residuals, Solution
 from socp_statics.models.program import ConicModel
 from socp_statics.spatial import Array
@@ -95,7 +95,7 @@ class Session:
         return CompiledSolution(self._form, self._data, self._offset, self._solver.solve())
 
     def _cost(self, name: str) -> tuple[Array, Array]:
-        """q as an affine function of one parameter, the others as they are."""
+        """Q as an affine function of one parameter, the others as they are."""
         if name not in self._costs:
             others = self._p.copy()
             others[self._form.where[name]] = 0.0
@@ -115,10 +115,12 @@ class CompiledSolution:
 
     @property
     def objective(self) -> float:
+        """Value of the objective, scaled."""
         return self._in_the_sense_of_the_program(self._raw.obj_val)
 
     @property
     def bound(self) -> float:
+        """Value of the dual objective, scaled."""
         return self._in_the_sense_of_the_program(self._raw.obj_val_dual)
 
     def _in_the_sense_of_the_program(self, value: float) -> float:
@@ -126,18 +128,22 @@ class CompiledSolution:
 
     @cached_property
     def variables(self) -> Mapping[str, Array]:
+        """Variables by name."""
         return self._form.variables(np.asarray(self._raw.x))
 
     def variable(self, name: str) -> Sequence[float]:
+        """One variable without the others."""
         x = self._raw.x
         return [x[i] for i in self._form.variable_index[name].ravel()]
 
     @cached_property
     def duals(self) -> Mapping[str, Array]:
+        """Multipliers by constraint name."""
         return self._form.duals(np.asarray(self._raw.z))
 
     @cached_property
     def residuals(self) -> Residuals:
+        """Residuals recomputed from the data."""
         return self._form.residuals(self._conic, np.asarray(self._raw.x), np.asarray(self._raw.z))
 
 

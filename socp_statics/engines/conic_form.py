@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from types import SimpleNamespace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import cvxpy as cp
 import numpy as np
@@ -55,7 +55,7 @@ class ConicForm:
 
     def __init__(self, program: Program):
         problem = program.problem
-        if not problem.is_dcp(dpp=True):
+        if not problem.is_dpp():
             raise EngineError(f"the program over {', '.join(program.variables)} is not affine in its parameters (DPP)")
         for parameter in problem.parameters():
             parameter.value = np.ones(parameter.shape)
@@ -93,7 +93,7 @@ class ConicForm:
         in_P = self._P_map is not None and self._P_map[:, columns].nnz > 0
         return not in_P and self._A_map[:, columns].nnz == 0
 
-    def _read_solution_maps(self, program: Program, chain: object, inverse: list) -> None:
+    def _read_solution_maps(self, program: Program, chain: Any, inverse: list) -> None:
         """Find every variable in z and every multiplier in the conic multipliers.
 
         cvxpy's own inversion is fed two known vectors, k and k^2: an entry s k and s k^2 names its index k and its scale s.
@@ -136,7 +136,7 @@ class ConicForm:
         p[self.where[name]] = array.ravel(order="F")
 
     def linear_cost(self, p: Array) -> Array:
-        """q of a parameter vector, shape (columns,)."""
+        """Q of a parameter vector, shape (columns,)."""
         return self._q_linear @ p
 
     def cost_slope(self, name: str) -> Array:
@@ -177,7 +177,7 @@ class ConicForm:
         return y
 
     def primal_vector(self, variables: Mapping[str, Array]) -> Array:
-        """z of the variables by name, the inverse of `variables`."""
+        """Z of the variables by name, the inverse of `variables`."""
         z = np.zeros(self.columns)
         for name, value in variables.items():
             z[self.variable_index[name]] = value

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any
@@ -49,7 +50,10 @@ class ReferenceSession:
         for name, parameter in program.parameters.items():
             parameter.value = self._values[name]
         try:
-            program.problem.solve(solver=self._solver, **OPTIONS.get(self._solver, {}))
+            with warnings.catch_warnings():
+                # An inaccurate status is judged here, by the residuals.
+                warnings.filterwarnings("ignore", "Solution may be inaccurate", UserWarning)
+                program.problem.solve(solver=self._solver, **OPTIONS.get(self._solver, {}))
             detail = program.problem.status
         except cp.SolverError as error:
             detail = f"{cp.SOLVER_ERROR}: {error}"
@@ -77,10 +81,12 @@ class ReferenceSolution:
         self.duals = {name: flat_multiplier(y) for name, y in multipliers.items()} if known else {}
 
     def variable(self, name: str) -> Sequence[float]:
+        """One variable without the others."""
         return self.variables[name].ravel().tolist()
 
     @cached_property
     def residuals(self) -> Residuals:
+        """Residuals recomputed from the data."""
         if not self.variables or not self.duals:
             raise EngineError("residuals need a solution with multipliers, the solver returned none", name=NAME)
         form = ConicForm(self._program)

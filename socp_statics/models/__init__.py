@@ -1,6 +1,5 @@
 """The questions of statics as conic programs, one a file, declared in cvxpy as the papers display them."""
 
-from socp_statics.models.display import describe as describe
 from socp_statics.registry import Registry
 
 MODELS = Registry("model", group="socp_statics.models")

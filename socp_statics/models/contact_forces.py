@@ -32,7 +32,7 @@ def declare(shape: ContactForcesShape) -> Program:
     constraints = {"balance": wrench(forces) == -load(forces), **admissible(forces)}
     variables = {"x": forces.x}
     if shape.objective == "normal_force":
-        cost = cp.sum(forces.f_n) if forces.f_n is not None else cp.Constant(0.0)
+        cost = cp.sum(forces.f_n) if shape.forces.points else cp.Constant(0.0)
     else:
         variables["e"] = e = cp.Variable(shape.components, name="e")
         F = cp.Parameter((shape.components, shape.forces.columns), name="F")

@@ -146,21 +146,19 @@ class Forces(NamedTuple):
     """The unknown forces as expressions in contact frames."""
 
     x: cp.Variable
-    f_t: cp.Expression | None
-    f_n: cp.Expression | None
-    m_n: cp.Expression | None
-    h: cp.Expression | None
+    f_t: cp.Expression
+    f_n: cp.Expression
+    m_n: cp.Expression
     shape: ForceShape
 
 
 def declare_forces(shape: ForceShape) -> Forces:
-    """The unknown x and its parts, None where a part is empty."""
+    """The unknown x and its parts; a part that the shape does not have is an empty constant."""
     s = shape
     x = cp.Variable(s.columns, name="x")
-    ends = np.cumsum([0, 2 * s.slipping, s.points, s.box + s.elliptic, s.handle])
-    parts = [x[a:b] if b > a else None for a, b in zip(ends[:-1], ends[1:], strict=True)]
-    f_t = cp.reshape(parts[0], (2, s.slipping), order="F") if s.slipping else None
-    return Forces(x, f_t, parts[1], parts[2], parts[3], s)
+    ends = np.cumsum([0, 2 * s.slipping, s.points, s.box + s.elliptic])
+    f_t, f_n, m_n = (x[a:b] if b > a else cp.Constant(np.zeros(0)) for a, b in zip(ends[:-1], ends[1:], strict=True))
+    return Forces(x, cp.reshape(f_t, (2, s.slipping), order="F") if s.slipping else f_t, f_n, m_n, s)
 
 
 def wrench(forces: Forces) -> cp.Expression:

@@ -77,7 +77,8 @@ def optimise_contact_forces(
         return infeasible(equilibrium)
     W = data.units.force
     value = solution.objective * (W if objective == "normal_force" else W**2)
-    return answer_of(data, choice, solution.variables["x"], "solved", value, solution.residuals.gap, solution.engine, handovers, equilibrium)
+    x, gap = solution.variables["x"], solution.residuals.gap
+    return answer_of(data, choice, x, "solved", value, gap, solution.engine, handovers, equilibrium)
 
 
 def _measured(data: StaticsData, objective: str, references: Mapping[str, Any]) -> tuple[Array, Array]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from socp_statics.spatial import Array
 from socp_statics.statics import StaticsData
@@ -14,8 +15,8 @@ class Group(NamedTuple):
     """What is measured together: one contact point, or all that acts at one contact."""
 
     contact: int
-    points: Array
-    handles: Array
+    points: NDArray[np.int_]
+    handles: NDArray[np.int_]
 
 
 def groups(data: StaticsData, level: str) -> list[Group]:

@@ -131,7 +131,8 @@ def minimise_largest_wrench(
     if equilibrium.verdict == "unstable":
         return infeasible(equilibrium)
     data = assemble(stance)
-    question = _Question(data, choice, form, engine, measure, measured(data, choice, measure, level, length / data.units.length), equilibrium)
+    what = measured(data, choice, measure, level, length / data.units.length)
+    question = _Question(data, choice, form, engine, measure, what, equilibrium)
     if not question.what.groups and not len(question.what.scaled):
         return question.nothing_to_measure()
     return question.least_friction_use() if measure == "friction_use" else question.minimax()
@@ -140,7 +141,9 @@ def minimise_largest_wrench(
 class _Question:
     """The programs of one minimax question."""
 
-    def __init__(self, data: StaticsData, cone: ConeChoice, form: str, engine: str, measure: str, what: Measured, equilibrium: EquilibriumAnswer):
+    def __init__(
+        self, data: StaticsData, cone: ConeChoice, form: str, engine: str, measure: str, what: Measured, equilibrium: EquilibriumAnswer
+    ):
         self.data, self.cone, self.form, self.engine = data, cone, form, engine
         self.measure, self.what, self.equilibrium = measure, what, equilibrium
         self.reach = wrench_range(data.wrench_map)

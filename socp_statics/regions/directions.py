@@ -12,8 +12,8 @@ from socp_statics.engines.solution import FAILED, INFEASIBLE, UNBOUNDED, Solutio
 from socp_statics.exceptions import EngineError
 from socp_statics.models.contact_forces_set import force_shape, force_values
 from socp_statics.models.support_region import MODEL, RegionShape
-from socp_statics.spatial import Array
 from socp_statics.regions.sandwich import Support
+from socp_statics.spatial import Array
 from socp_statics.statics.statics_data import StaticsData
 from socp_statics.statics.wrench_range import OUTSIDE, SINGULAR, wrench_range
 

@@ -102,12 +102,17 @@ class _Tracer:
         k = self.plane.axes.shape[1]
         return (self._point, self._segment, self._plane)[k]()
 
+    @property
+    def _unrestricted(self) -> bool:
+        """Whether nothing but the range of G restricts the forces: handles without limits."""
+        return self.data.points == 0 and len(self.data.limit_values) == 0
+
     def _point(self) -> SupportRegion:
         """No free coordinate: one position is in reach, it is the region or there is none."""
         position = self.plane.origin
         compiled = self.engine.compile(EQUILIBRIUM, force_shape(self.data, self.cone, self.form, self.plane.basis.shape[1]))
         load = self.data.load + self.data.com_load @ (position - self.data.com[:2])
-        values = {**force_values(self.data, self.cone, self.plane.basis), "load": self.plane.basis.T @ load, "cap": 1.0}
+        values = force_values(self.data, self.cone, self.plane.basis) | {"load": self.plane.basis.T @ load, "cap": np.array(1.0)}
         solution = compiled.solve(values)
         self.solves += 1
         if solution.status == INFEASIBLE or (solution.status == SOLVED and solution.objective < -NARROW):
@@ -118,13 +123,16 @@ class _Tracer:
 
     def _segment(self) -> SupportRegion:
         """One free coordinate: its two ends."""
+        if self._unrestricted:
+            return self._endless_line([-1.0, 1.0])
         directions = Directions(self.data, self.plane, self.cone, self.form, self.engine)
         ends = [directions.solve((sign,)) for sign in (-1.0, 1.0)]
         self.solves += 2
         if ends[0].status == INFEASIBLE:
             return self._empty()
-        if UNBOUNDED in (ends[0].status, ends[1].status):
-            return self._endless_line(ends)
+        endless = [sign for sign, end in zip((-1.0, 1.0), ends, strict=True) if end.status == UNBOUNDED]
+        if endless:
+            return self._endless_line(endless)
         points = [directions.position(e.variables["s"]) for e in ends]
         bounds = [directions.position(np.array([sign * e.bound])) for sign, e in zip((-1.0, 1.0), ends, strict=True)]
         return self._flat(points, ends, bounds)
@@ -144,7 +152,7 @@ class _Tracer:
         twists = [np.zeros(6) for _ in bounds]
         return self._result(kind, inner, np.array(bounds), np.zeros((0, 2)), gap, margin, solutions, twists)
 
-    def _endless_line(self, ends: list[Solution]) -> SupportRegion:
+    def _endless_line(self, signs: list[float]) -> SupportRegion:
         """One free coordinate without an end on one side or both."""
         axis = self.plane.axes[:, 0]
         clipped = Directions(self.data, self.plane, self.cone, self.form, self.engine, clip=self._reach_along(axis))
@@ -153,7 +161,7 @@ class _Tracer:
         if any(s.status != SOLVED for s in found):
             raise EngineError(f"engine {self.engine.name} did not settle an endless segment", name=self.engine.name)
         points = np.array([clipped.position(s.variables["s"]) for s in found])
-        rays = np.array([sign * axis + 0.0 for sign, end in zip((-1.0, 1.0), ends, strict=True) if end.status == UNBOUNDED])
+        rays = np.array([sign * axis + 0.0 for sign in signs])
         margin = None if self.com is None else min(float(polygon.distance(points, self.com)), 0.0)
         return self._result("unbounded", points, points, rays, 0.0, margin, found, [np.zeros(6)] * 2)
 
@@ -165,6 +173,8 @@ class _Tracer:
 
     def _plane(self) -> SupportRegion:
         """Two free coordinates."""
+        if self._unrestricted:
+            return self._endless()
         directions = Directions(self.data, self.plane, self.cone, self.form, self.engine)
         try:
             sandwich = Sandwich(directions.support, [directions.support(d) for d in START])
@@ -274,7 +284,10 @@ def _recession_rays(points: Array) -> Array:
         return np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
     first, last = angles[(k + 1) % len(angles)], angles[k]
     span = (last - first) % (2 * np.pi)
-    at = [first] if span < 1e-6 else [first, first + span] if span < np.pi - 1e-6 or len(far) == 2 else [first, first + span / 2, first + span]
+    at = [first] if span < 1e-6 else [first, first + span]
+    if span >= np.pi - 1e-6 and len(far) > 2:
+        # Two opposite rays alone would only generate a line.
+        at.insert(1, first + span / 2)
     rays = np.column_stack([np.cos(at), np.sin(at)])
     rays[np.abs(rays) < 1e-9] = 0.0
     return rays

@@ -106,7 +106,8 @@ def check_equilibrium(
 
 def _answer(data: StaticsData, cone: ConeChoice, margin: Margin, verdict: str, reason: str | None) -> EquilibriumAnswer:
     W = data.units.force
-    forces = certificate = None
+    forces: PointForces | None = None
+    certificate: ForcesCertificate | MotionCertificate | None = None
     residuals = {"balance": 0.0, "cone": 0.0, "gap": margin.gap}
     if margin.x is not None and verdict != "unstable":
         forces = point_forces(data, margin.x)

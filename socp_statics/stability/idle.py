@@ -47,7 +47,7 @@ def idle_contacts(data: StaticsData, cone: ConeChoice, form: str, engine: str) -
     if reach.outside(data.load) > INSIDE:
         return IdleContacts((), twist)
     shape = RegionShape(force_shape(data, cone, form, reach.rank), 2, False)
-    values = {**force_values(data, cone, reach.basis), "D": reach.basis.T @ data.com_load, "cap": 1.0}
+    values = force_values(data, cone, reach.basis) | {"D": reach.basis.T @ data.com_load, "cap": np.array(1.0)}
     names: list[str] = []
     for k in np.unique(data.contact_of_point):
         normal = np.zeros(data.wrench_map.shape[1])

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from socp_statics.statics.units import Units
 from socp_statics.spatial import Array
+from socp_statics.statics.units import Units
 
 
 @dataclass(frozen=True, eq=False)
