@@ -1,0 +1,77 @@
+"""What the README promises: its commands, its program, its table of verbs."""
+
+import re
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from socp_statics.cli import main
+
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text()
+
+
+def blocks(language):
+    return [text for word, text in re.findall(r"^```(\w*)\n(.*?)^```$", README, re.S | re.M) if word == language]
+
+
+def test_two_commands_do_all_the_setting_up():
+    first, second = blocks("sh")
+    assert first.startswith("python3 -m venv .venv && .venv/bin/pip install") and "socp-statics solve" in first
+    assert second.startswith(".venv/bin/pip install") and second.strip().endswith("-m pytest -q")
+    assert len(first.splitlines()) == len(second.splitlines()) == 1
+
+
+def test_the_first_command_solves_and_draws(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    command = blocks("sh")[0].strip().split("socp-statics ")[1].split()
+    assert main(command) == 0
+    said = capsys.readouterr().out
+    shown = blocks("")[0]
+    for line in shown.splitlines():
+        if line and not line.startswith("engine"):
+            assert line in said
+    figure = tmp_path / command[command.index("--figure") + 1]
+    assert figure.stat().st_size > 5_000
+
+
+def test_the_ten_line_program_runs(tmp_path, monkeypatch, capsys):
+    (program,) = blocks("python")
+    assert len([line for line in program.splitlines() if line]) <= 11
+    monkeypatch.chdir(tmp_path)
+    exec(compile(program, "README", "exec"), {})  # noqa: S102
+    said = capsys.readouterr().out.splitlines()
+    assert said[0].startswith("stable ")
+    assert said[1].startswith("polygon ")
+    assert (tmp_path / "region.png").exists()
+
+
+def test_every_verb_of_the_table_exists_and_no_other_is_listed(capsys):
+    verbs = set(re.findall(r"\| `socp-statics ([a-z]+)", README))
+    assert main(["--help"]) == 0
+    said = capsys.readouterr().out
+    listed = set(re.findall(r"^  ([a-z]+) ", said.split("Commands:")[1], re.M))
+    assert listed == verbs
+    for verb in verbs:
+        assert main([verb, "--help"]) == 0
+        options = set(re.findall(r"--[a-z]+", next(row for row in README.splitlines() if f"socp-statics {verb}" in row and row[0] == "|")))
+        assert options <= set(re.findall(r"--[a-z]+", capsys.readouterr().out))
+
+
+def test_the_files_it_names_exist():
+    for name in re.findall(r"`((?:socp_statics|tests|problems)/[\w/.]*)`", README):
+        assert (ROOT / name).exists(), name
+    assert (ROOT / "tests/benchmarks/support_direction.py").exists()
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["--version"], ["list", "models"]])
+def test_asking_for_help_imports_no_solver(arguments):
+    code = f"import sys; from socp_statics.cli import main; main({arguments!r}); print(*sorted(sys.modules), file=sys.stderr)"
+    start = time.perf_counter()
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert time.perf_counter() - start < 20  # a hang, not a speed, would fail here
+    loaded = set(done.stderr.split())
+    assert not loaded & {"cvxpy", "clarabel", "matplotlib", "scipy.optimize"}
