@@ -31,10 +31,10 @@ class ContactMotion(NamedTuple):
     handle: Array
 
 
-def polygon_support(u: Array, cone: ConeChoice, radius: Array) -> Array:
-    """Support function of the pyramids' cross-sections ``{f : n_j . f <= radius}``, shape (n,)."""
+def polygon_support(v: Array, cone: ConeChoice, radius: Array) -> Array:
+    """Support function ``max { v . f : n_j . f <= radius }`` of the pyramids' cross-sections, v (n, 2), result (n,)."""
     assert cone.sides is not None
-    return radius * (u @ cone.edge_directions().T).max(axis=1) / np.cos(np.pi / cone.sides)
+    return radius * (v @ cone.edge_directions().T).max(axis=1) / np.cos(np.pi / cone.sides)
 
 
 def _resistance(data: StaticsData, cone: ConeChoice, u_t: Array, twist: Array) -> Array:
@@ -44,7 +44,8 @@ def _resistance(data: StaticsData, cone: ConeChoice, u_t: Array, twist: Array) -
     if cone.kind == "exact":
         slide = mu * np.linalg.norm(u_t, axis=1)
         return np.where(elliptic, np.hypot(slide, twist), slide + twist)
-    slide = polygon_support(u_t, cone, mu * cone.slope_factor())
+    # A pyramid with an odd number of sides is not symmetric: friction acts against the velocity.
+    slide = polygon_support(-u_t, cone, mu * cone.slope_factor())
     return np.where(elliptic & (cone.kind == "inscribed"), np.maximum(slide, twist), slide + twist)
 
 

@@ -53,7 +53,8 @@ class ReferenceSession:
             with warnings.catch_warnings():
                 # An inaccurate status is judged here, by the residuals.
                 warnings.filterwarnings("ignore", "Solution may be inaccurate", UserWarning)
-                program.problem.solve(solver=self._solver, **OPTIONS.get(self._solver, {}))
+                # Warm-started solvers are kept by cvxpy and make the answer depend on earlier questions.
+                program.problem.solve(solver=self._solver, warm_start=False, **OPTIONS.get(self._solver, {}))
             detail = program.problem.status
         except cp.SolverError as error:
             detail = f"{cp.SOLVER_ERROR}: {error}"

@@ -9,5 +9,6 @@ for _name, _line in (
     ("minimax_wrench", "least possible largest contact load: force, normal, tangential, component or use of friction"),
     ("support_region", "region of CoM positions in balance, between an inner and an outer polygon"),
     ("contact_load", "largest normal force of one contact over all horizontal CoM positions"),
+    ("largest_reserve", "largest margin over all horizontal CoM positions"),
 ):
     MODELS.add(_name, _line, f"socp_statics.models.{_name}:MODEL")

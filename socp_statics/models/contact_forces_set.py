@@ -233,9 +233,9 @@ def disc_matrix(radius: cp.Expression, v: cp.Expression) -> cp.Expression:
 
 def arrow_matrix(radius: cp.Expression, v: cp.Expression) -> cp.Expression:
     """``[[r E, v], [v', r]]``, positive semidefinite exactly where |v| <= r."""
-    column = cp.reshape(v, (v.size, 1), order="F")
-    corner = cp.reshape(radius, (1, 1), order="F")
-    return cp.bmat([[radius * np.eye(v.size), column], [column.T, corner]])
+    n = v.size
+    rows = [[radius if i == j else np.zeros(()) for j in range(n)] + [v[i]] for i in range(n)]
+    return cp.bmat([*rows, [*(v[i] for i in range(n)), radius]])
 
 
 def _bounds(forces: Forces, reserve: cp.Expression | float) -> dict[str, cp.Constraint]:

@@ -33,10 +33,15 @@ def refined_margin(sandwich: Sandwich, com: Array, clip: float | None) -> float:
     Returns:
         Scaled distance; inf where the region has no edge.
     """
+    inside = -np.inf
     for _ in range(MOST_REFINEMENTS):
         P = _points(sandwich)
-        if distance(P, com) < 0.0 or len(P) < 3:
-            return _outside(sandwich, com)
+        away = float(distance(P, com))
+        if away <= 0.0:
+            outcome = _step_outside(sandwich, P, com, -away)
+            if outcome is not None:
+                return outcome
+            continue
         Q = np.roll(P, -1, axis=0)
         E = Q - P
         length = np.linalg.norm(E, axis=1)
@@ -54,23 +59,21 @@ def refined_margin(sandwich: Sandwich, com: Array, clip: float | None) -> float:
     return inside
 
 
-def _outside(sandwich: Sandwich, com: Array) -> float:
-    """Minus the distance from outside: between the nearest attained point and the best separating line."""
-    best = 0.0
-    away = 0.0
-    for _ in range(MOST_REFINEMENTS):
-        P = _points(sandwich)
-        away = -float(distance(P, com))
-        if away <= 0.0:
-            return 0.0
-        if away <= NEGLIGIBLE or away - best <= RELATIVE * away:
-            return -away
-        Q = np.roll(P, -1, axis=0)
-        E = Q - P
-        along = np.clip(((com - P) * E).sum(axis=1) / np.maximum((E * E).sum(axis=1), 1e-300), 0.0, 1.0)
-        nearest = P + along[:, None] * E
-        gaps = np.linalg.norm(com - nearest, axis=1)
-        u = (com - nearest[int(np.argmin(gaps))]) / gaps.min()
-        support = sandwich.query((float(u[0]), float(u[1])))
-        best = max(best, float(u @ com) - support.h)
-    return -away
+def _step_outside(sandwich: Sandwich, P: Array, com: Array, away: float) -> float | None:
+    """One refinement towards a position that no attained point holds yet.
+
+    Returns:
+        Minus the distance once the best separating line is near the nearest attained point; None to go on.
+    """
+    if away <= NEGLIGIBLE:
+        return 0.0
+    best = max(float(np.dot(s.d, com)) - s.h for s in sandwich.supports())
+    if away - best <= RELATIVE * away:
+        return -away
+    E = np.roll(P, -1, axis=0) - P
+    along = np.clip(((com - P) * E).sum(axis=1) / np.maximum((E * E).sum(axis=1), 1e-300), 0.0, 1.0)
+    nearest = P + along[:, None] * E
+    gaps = np.linalg.norm(com - nearest, axis=1)
+    u = (com - nearest[int(np.argmin(gaps))]) / gaps.min()
+    sandwich.query((float(u[0]), float(u[1])))
+    return None

@@ -133,3 +133,22 @@ def recession(data: StaticsData) -> StaticsData:
     return replace(data, load=np.zeros(6), com=np.zeros(3), bounds=bounds, limit_values=np.zeros_like(data.limit_values))
 
 
+
+
+def widened(data: StaticsData, reserve: float) -> tuple[StaticsData, Array]:
+    """The set with every cone and bound widened by a reserve of normal force, in shifted unknowns ``z = x + reserve n``.
+
+    Args:
+        data: The stance's arrays.
+        reserve: How much normal force every point may lack, scaled.
+
+    Returns:
+        The widened set, and what to add to z to get the forces x.
+    """
+    shift = np.zeros(data.wrench_map.shape[1])
+    shift[data.normal] = -reserve
+    counts = np.array([(data.contact_of_point == k).sum() for k in data.bounded], dtype=float).reshape(-1, 1)
+    equal = data.bounds[:, :1] == data.bounds[:, 1:]
+    ends = data.bounds + np.where(equal, 0.0, np.array([[-reserve, reserve]])) + counts * reserve
+    wide = replace(data, load=data.load + data.wrench_map @ shift, bounds=ends, limit_values=data.limit_values - data.limit_rows @ shift)
+    return wide, shift

@@ -90,7 +90,10 @@ def distance(vertices: Array, xy: ArrayLike) -> Array:
     r = points[..., None, :] - a
     along = np.clip((r * e).sum(-1) / np.maximum((e * e).sum(-1), 1e-300), 0.0, 1.0)
     away = np.linalg.norm(r - along[..., None] * e, axis=-1).min(axis=-1)
-    if len(vertices) < 3:
+    length = np.linalg.norm(e, axis=1)
+    # Edges between repeated points have directions made of rounding.
+    real = length > 1e-9 * length.max(initial=0.0)
+    if real.sum() < 3:
         return -away
-    inside = (e[:, 0] * r[..., 1] - e[:, 1] * r[..., 0] >= 0.0).all(axis=-1)
+    inside = ((e[:, 0] * r[..., 1] - e[:, 1] * r[..., 0])[..., real] >= 0.0).all(axis=-1)
     return np.where(inside, away, -away)

@@ -17,7 +17,7 @@ from socp_statics.exceptions import EngineError
 from socp_statics.spatial import Array
 
 PARALLEL = 1e-9
-SHORT = 1e-8
+ROUNDING = 1e-10
 START = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
 MOST_QUERIES = 5000
 
@@ -162,28 +162,32 @@ class Sandwich:
         return True
 
     def outer_polygon(self) -> tuple[list[int], Array]:
-        """The polygon of the supporting lines, without lines that only touch a corner of the others.
+        """The polygon of the supporting lines, without lines that cut off nothing.
 
-        Leaving out a line never cuts into the region.
+        Every line is first moved out to the attained points it should hold, which rounding may have left outside by 1e-16; leaving
+        out a line never cuts into the region.
 
         Returns:
             Indices of the supports whose lines are edges, and the corners, shape (l, 2); edge k, on the line of support k, runs
             from corner k to corner k + 1.
         """
-        supports, crossings = self.supports(), self.polygon()
-        length = np.linalg.norm(crossings - np.roll(crossings, 1, axis=0), axis=1)
-        used: list[int] = []
-        for k in (k for k in range(len(supports)) if length[k] > SHORT):
-            if used and _parallel(supports[used[-1]].d, supports[k].d):
-                used[-1] = min(used[-1], k, key=lambda i: supports[i].h)
+        supports = self.supports()
+        points = np.array([s.c for s in supports])
+        lines = [s._replace(h=max(s.h, float((points @ np.array(s.d)).max()))) for s in supports]
+        # In units of the region: a sliver's sides are told apart more finely.
+        rounding = ROUNDING * min(1.0, self.inner_area)
+        used = list(range(len(lines)))
+        at, settled = 0, 0
+        while settled < len(used) and len(used) > 3:
+            before, here, after = (used[(at + k) % len(used)] for k in (-1, 0, 1))
+            if _cuts_nothing(lines[before], lines[here], lines[after], rounding):
+                del used[at % len(used)]
+                at, settled = at - 1, 0
             else:
-                used.append(k)
-        if len(used) > 1 and _parallel(supports[used[-1]].d, supports[used[0]].d):
-            used.remove(max(used[0], used[-1], key=lambda i: supports[i].h))
-        corners = [_crossing(supports[j], supports[k]) for j, k in zip(used[-1:] + used[:-1], used, strict=True)]
-        if len(used) < 3 or None in corners:
-            used = list(range(len(supports)))
-            return used, np.roll(crossings, 1, axis=0)
+                at, settled = at + 1, settled + 1
+        corners = [_crossing(lines[j], lines[k]) for j, k in zip(used[-1:] + used[:-1], used, strict=True)]
+        if None in corners:
+            raise EngineError("the supporting lines do not enclose the region", name="region")
         return used, np.array(corners)
 
     def polygon(self) -> Array:
@@ -197,6 +201,16 @@ def _crossing(a: Support, b: Support) -> tuple[float, float] | None:
     if cross <= PARALLEL:
         return None
     return (a.h * b.d[1] - b.h * a.d[1]) / cross, (b.h * a.d[0] - a.h * b.d[0]) / cross
+
+
+def _cuts_nothing(before: Support, here: Support, after: Support, rounding: float) -> bool:
+    """Whether a line leaves the corner of its neighbours as it is (or moves it by less than rounding)."""
+    if _parallel(before.d, here.d):
+        return here.h >= before.h
+    if _parallel(here.d, after.d):
+        return here.h > after.h
+    corner = _crossing(before, after)
+    return corner is not None and here.d[0] * corner[0] + here.d[1] * corner[1] <= here.h + rounding
 
 
 def _between(a: tuple[float, float], d: tuple[float, float], b: tuple[float, float]) -> bool:

@@ -50,6 +50,7 @@ class SupportRegion:
     _data: StaticsData = field(repr=False)
     _inner_solutions: tuple[Solution, ...] = field(repr=False)
     _outer_twists: tuple[Array, ...] = field(repr=False)
+    _shift: Array | float = field(default=0.0, repr=False)
 
     @property
     def inner_area(self) -> float:
@@ -64,7 +65,7 @@ class SupportRegion:
     @cached_property
     def inner_forces(self) -> tuple[PointForces, ...]:
         """Balancing forces inside the cones for each inner corner."""
-        return tuple(point_forces(self._data, s.variables["x"]) for s in self._inner_solutions)
+        return tuple(point_forces(self._data, s.variables["x"] + self._shift) for s in self._inner_solutions)
 
     @cached_property
     def outer_multipliers(self) -> tuple[tuple[Array, Array], ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -16,9 +17,11 @@ from socp_statics.engines.solution import INFEASIBLE, SOLVED, UNBOUNDED, Solutio
 from socp_statics.exceptions import EngineError, InputError
 from socp_statics.models.contact_forces_set import force_shape, force_values
 from socp_statics.models.equilibrium import MODEL as EQUILIBRIUM
+from socp_statics.models.largest_reserve import MODEL as LARGEST_RESERVE
+from socp_statics.models.support_region import RegionShape
 from socp_statics.regions import polygon
 from socp_statics.regions.com_margin import refined_margin
-from socp_statics.regions.directions import CoMPlane, Directions, EmptyRegion, UnboundedDirection, com_plane, recession
+from socp_statics.regions.directions import CoMPlane, Directions, EmptyRegion, UnboundedDirection, com_plane, recession, widened
 from socp_statics.regions.sandwich import START, Sandwich
 from socp_statics.regions.support_region import SupportRegion
 from socp_statics.spatial import Array
@@ -28,6 +31,7 @@ NARROW = 1e-9
 CLIP = 10.0
 CORNER = 1e-11
 ON_EDGE = 1e-9
+BOUNDARY = 1e-7
 
 
 def trace_support_region(
@@ -99,8 +103,34 @@ class _Tracer:
     def region(self) -> SupportRegion:
         if self.plane.twist is not None:
             return self._empty()
-        k = self.plane.axes.shape[1]
-        return (self._point, self._segment, self._plane)[k]()
+        try:
+            return self._traced()
+        except EngineError as error:
+            return self._without_interior(error)
+
+    def _traced(self) -> SupportRegion:
+        return (self._point, self._segment, self._plane)[self.plane.axes.shape[1]]()
+
+    def _without_interior(self, error: EngineError) -> SupportRegion:
+        """What no engine settles because the set of forces has no interior: empty, or traced with cones 1e-7 W wider."""
+        shape = RegionShape(force_shape(self.data, self.cone, self.form, self.plane.basis.shape[1]), self.plane.axes.shape[1], False)
+        if not shape.coordinates:
+            raise error
+        start = self.data.load + self.data.com_load @ (self.plane.origin - self.data.com[:2])
+        values = force_values(self.data, self.cone, self.plane.basis) | {
+            "load": self.plane.basis.T @ start,
+            "D": self.plane.basis.T @ self.data.com_load @ self.plane.axes,
+            "cap": np.array(1.0),
+        }
+        solution = self.engine.compile(LARGEST_RESERVE, shape).solve(values)
+        self.solves += 1
+        if solution.status == INFEASIBLE or (solution.status == SOLVED and solution.objective < -BOUNDARY):
+            return self._empty()
+        if solution.status != SOLVED or solution.objective > BOUNDARY:
+            raise error
+        wide, shift = widened(self.data, BOUNDARY + max(-solution.objective, 0.0))
+        tracer = _Tracer(wide, self.plane, self.cone, self.form, self.engine, self.tolerance, self.com, self.handovers)
+        return replace(tracer._traced(), _data=self.data, _shift=shift)
 
     @property
     def _unrestricted(self) -> bool:
@@ -124,7 +154,7 @@ class _Tracer:
     def _segment(self) -> SupportRegion:
         """One free coordinate: its two ends."""
         if self._unrestricted:
-            return self._endless_line([-1.0, 1.0])
+            return self._endless_line([-1.0, 1.0], [])
         directions = Directions(self.data, self.plane, self.cone, self.form, self.engine)
         ends = [directions.solve((sign,)) for sign in (-1.0, 1.0)]
         self.solves += 2
@@ -132,7 +162,7 @@ class _Tracer:
             return self._empty()
         endless = [sign for sign, end in zip((-1.0, 1.0), ends, strict=True) if end.status == UNBOUNDED]
         if endless:
-            return self._endless_line(endless)
+            return self._endless_line(endless, ends)
         points = [directions.position(e.variables["s"]) for e in ends]
         bounds = [directions.position(np.array([sign * e.bound])) for sign, e in zip((-1.0, 1.0), ends, strict=True)]
         return self._flat(points, ends, bounds)
@@ -152,24 +182,39 @@ class _Tracer:
         twists = [np.zeros(6) for _ in bounds]
         return self._result(kind, inner, np.array(bounds), np.zeros((0, 2)), gap, margin, solutions, twists)
 
-    def _endless_line(self, signs: list[float]) -> SupportRegion:
-        """One free coordinate without an end on one side or both."""
+    def _endless_line(self, signs: list[float], ends: list[Solution]) -> SupportRegion:
+        """One free coordinate without an end on one side or both: a ray or a line, clipped to the square."""
         axis = self.plane.axes[:, 0]
-        clipped = Directions(self.data, self.plane, self.cone, self.form, self.engine, clip=self._reach_along(axis))
+        rays = np.array([sign * axis + 0.0 for sign in signs])
+        low = -np.inf if -1.0 in signs else float(ends[0].variable("s")[0])
+        high = np.inf if 1.0 in signs else float(ends[1].variable("s")[0])
+        margin = None
+        if self.com is not None:
+            along = float(np.clip(axis @ (self.com - self.plane.origin), low, high))
+            margin = -float(np.linalg.norm(self.com - self.plane.origin - along * axis))
+        start, stop = self._inside_square(axis)
+        if start >= stop or start > high or stop < low:
+            none = np.zeros((0, 2))
+            return self._result("unbounded", none, none, rays, 0.0, margin, [], [])
+        centred = replace(self.plane, origin=self.plane.origin + 0.5 * (start + stop) * axis)
+        clipped = Directions(self.data, centred, self.cone, self.form, self.engine, clip=0.5 * (stop - start))
         found = [clipped.solve((sign,)) for sign in (-1.0, 1.0)]
         self.solves += 2
         if any(s.status != SOLVED for s in found):
             raise EngineError(f"engine {self.engine.name} did not settle an endless segment", name=self.engine.name)
         points = np.array([clipped.position(s.variables["s"]) for s in found])
-        rays = np.array([sign * axis + 0.0 for sign in signs])
-        margin = None if self.com is None else min(float(polygon.distance(points, self.com)), 0.0)
         return self._result("unbounded", points, points, rays, 0.0, margin, found, [np.zeros(6)] * 2)
 
-    def _reach_along(self, axis: Array) -> float:
-        """How far a line may go before it leaves the clipping square on either side."""
-        start = self.plane.origin
-        ends = [(CLIP - np.sign(a) * s * sign) / abs(a) for a, s in zip(axis, start, strict=True) if abs(a) > 0 for sign in (1.0, -1.0)]
-        return float(max(min(ends), 0.0))
+    def _inside_square(self, axis: Array) -> tuple[float, float]:
+        """Between which coordinates a line lies in the clipping square."""
+        start, stop = -np.inf, np.inf
+        for a, o in zip(axis, self.plane.origin, strict=True):
+            if abs(a) > 1e-12:
+                ends = sorted(((-CLIP - o) / a, (CLIP - o) / a))
+                start, stop = max(start, ends[0]), min(stop, ends[1])
+            elif abs(o) > CLIP:
+                return 0.0, 0.0
+        return start, stop
 
     def _plane(self) -> SupportRegion:
         """Two free coordinates."""
@@ -223,16 +268,29 @@ class _Tracer:
         self.solves += cone.queries
         if not len(rays):
             raise EngineError(f"engine {self.engine.name} found a region without end but no direction of growth", name=self.engine.name)
+        margin = self._endless_margin(rays)
         directions = Directions(self.data, self.plane, self.cone, self.form, self.engine, clip=CLIP)
         try:
             sandwich = Sandwich(directions.support, [directions.support(d) for d in START])
         except EmptyRegion:
             self.solves += directions.queries
-            return self._result("unbounded", np.zeros((0, 2)), np.zeros((0, 2)), rays, 0.0, None, [], [])
+            return self._result("unbounded", np.zeros((0, 2)), np.zeros((0, 2)), rays, 0.0, margin, [], [])
         sandwich.refine(self.tolerance, self._is_thin)
-        margin = None if self.com is None else refined_margin(sandwich, self.com, CLIP)
         self.solves += directions.queries
         return self._polygon("unbounded", directions, sandwich, rays, margin)
+
+    def _endless_margin(self, rays: Array) -> float | None:
+        """CoM margin in a region without end, seen through a square that holds the centre of mass."""
+        if self.com is None:
+            return None
+        if len(rays) == 4:
+            return np.inf
+        clip = max(CLIP, 4.0 * float(np.abs(self.com).max()))
+        directions = Directions(self.data, self.plane, self.cone, self.form, self.engine, clip=clip)
+        sandwich = Sandwich(directions.support, [directions.support(d) for d in START])
+        margin = refined_margin(sandwich, self.com, clip)
+        self.solves += directions.queries
+        return margin
 
     def _polygon(self, kind: str, directions: Directions, sandwich: Sandwich, rays: Array, margin: float | None) -> SupportRegion:
         supports = sandwich.supports()

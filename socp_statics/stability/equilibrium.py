@@ -128,7 +128,7 @@ def _at_the_boundary(
 ) -> EquilibriumAnswer:
     """A margin of zero: idle contacts get no force, the reserve of the others decides."""
     undecided = _answer(data, cone, margin, "undecided", "boundary")
-    idle = idle_contacts(data, cone, form, engine)
+    idle = idle_contacts(data, cone, form, engine, margin.x)
     rest = [c for c in stance.contacts if c.name not in idle.names]
     if not idle.names or not rest:
         return _with(undecided, idle=idle.names)

@@ -27,7 +27,7 @@ class IdleContacts(NamedTuple):
     twist: Array
 
 
-def idle_contacts(data: StaticsData, cone: ConeChoice, form: str, engine: str) -> IdleContacts:
+def idle_contacts(data: StaticsData, cone: ConeChoice, form: str, engine: str, x: Array | None) -> IdleContacts:
     """Find the contacts that cannot be loaded.
 
     Args:
@@ -35,6 +35,7 @@ def idle_contacts(data: StaticsData, cone: ConeChoice, form: str, engine: str) -
         cone: Exact cones or pyramids.
         form: "socp" or "sdp".
         engine: "auto" or the name of an engine.
+        x: Scaled forces that balance the load: contacts that they load need no question.
 
     Returns:
         The idle contacts; none where no CoM position is in balance at all.
@@ -52,6 +53,8 @@ def idle_contacts(data: StaticsData, cone: ConeChoice, form: str, engine: str) -
     for k in np.unique(data.contact_of_point):
         normal = np.zeros(data.wrench_map.shape[1])
         normal[data.normal][data.contact_of_point == k] = 1.0
+        if x is not None and float(normal @ x) > LOADED:
+            continue
         for one in engines_for(engine):
             solution = one.compile(MODEL, shape).solve({**values, "c": normal})
             if solution.status != "failed":

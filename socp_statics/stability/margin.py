@@ -10,7 +10,7 @@ from socp_statics.certificates import MotionCertificate, force_residuals, motion
 from socp_statics.cones.choice import ConeChoice
 from socp_statics.engines import engines_for
 from socp_statics.engines.engine import Engine
-from socp_statics.engines.solution import INFEASIBLE, SOLVED
+from socp_statics.engines.solution import INFEASIBLE, SOLVED, Solution
 from socp_statics.exceptions import EngineError
 from socp_statics.models.contact_forces_set import force_shape, force_values
 from socp_statics.models.equilibrium import MODEL
@@ -82,32 +82,50 @@ def _settled(data: StaticsData, cone: ConeChoice, form: str, engine: Engine, rea
     """The margin by one engine, or None where its answer does not check."""
     compiled = engine.compile(MODEL, force_shape(data, cone, form, reach.rank))
     values = force_values(data, cone, reach.basis)
+    held: tuple[Array, float] | None = None
     for cap in CAPS:
         solution = compiled.solve({**values, "cap": cap})
         if solution.status == INFEASIBLE:
-            twist = reach.basis @ solution.duals["balance"] if "balance" in solution.duals else np.full(6, np.nan)
-            certificate = motion_certificate(data, cone, twist)
+            certificate, twist = None, solution.duals.get("balance")
+            if twist is not None:
+                twist = reach.basis @ twist
+                certificate = motion_certificate(data, cone, twist)
             return None if certificate is None else Margin(-np.inf, None, certificate, twist, 0.0, engine.name, 0)
         if solution.status != SOLVED:
-            return None
-        x, t = solution.variables["x"], float(solution.variables["t"][0] if solution.variables["t"].ndim else solution.variables["t"])
+            continue
+        x, (t,) = solution.variables["x"], solution.variable("t")
         if t < cap * (1 - 1e-6):
-            break
-        held = force_residuals(data, cone, x)
-        if max(held) <= FORCE_TOLERANCE * cap and _internal_force_inside(data, cone, form, engine, reach):
-            return Margin(np.inf, x, None, None, solution.residuals.gap, engine.name, 0)
-    else:
-        return None
-    residuals = solution.residuals
-    if residuals.gap > FORCE_TOLERANCE:
+            return _finite(data, cone, engine, reach, solution, x, t)
+        x = balanced(data, x)
+        if held is None and max(force_residuals(data, cone, x)) <= FORCE_TOLERANCE:
+            held = x, solution.residuals.gap
+        if held is not None and _internal_force_inside(data, cone, form, engine, reach):
+            return Margin(np.inf, held[0], None, None, held[1], engine.name, 0)
+    return None
+
+
+def _finite(
+    data: StaticsData, cone: ConeChoice, engine: Engine, reach: WrenchRange, solution: Solution, x: Array, t: float
+) -> Margin | None:
+    """A margin below the cap, if its certificate checks."""
+    gap = solution.residuals.gap
+    if gap > FORCE_TOLERANCE:
         return None
     twist = reach.basis @ solution.duals["balance"]
     if t <= -BOUNDARY:
         certificate = motion_certificate(data, cone, twist)
-        return None if certificate is None else Margin(t, None, certificate, twist, residuals.gap, engine.name, 0)
-    if max(force_residuals(data, cone, x)) > (FORCE_TOLERANCE if t >= BOUNDARY else BOUNDARY):
+        return None if certificate is None else Margin(t, None, certificate, twist, gap, engine.name, 0)
+    held = force_residuals(data, cone, x)
+    # Where t is negative within the boundary, the forces leave their cones by t times slopes and numbers of points.
+    lacking = max(-t, 0.0) * (1.0 + data.friction.max(initial=0.0)) * max(data.points, 1)
+    if held.balance > FORCE_TOLERANCE or held.cone > FORCE_TOLERANCE + lacking:
         return None
-    return Margin(t, x, None, twist, residuals.gap, engine.name, 0)
+    return Margin(t, x, None, twist, gap, engine.name, 0)
+
+
+def balanced(data: StaticsData, x: Array) -> Array:
+    """Large forces with their balance restored: the least correction, which their reserve of cone absorbs."""
+    return x - np.linalg.lstsq(data.wrench_map, data.wrench_map @ x + data.load, rcond=None)[0]
 
 
 def _internal_force_inside(data: StaticsData, cone: ConeChoice, form: str, engine: Engine, reach: WrenchRange) -> bool:
