@@ -19,6 +19,7 @@ NAME = "clarabel"
 TOLERANCE = 1e-11
 ACCEPTED = 1e-8
 INFEASIBLE_TOLERANCE = 1e-10
+FINE_REGULARISATION = 1e-10
 STATUS = {
     "Solved": SOLVED,
     "AlmostSolved": SOLVED,
@@ -92,7 +93,14 @@ class Session:
                 self._data = form.data(p)
                 self._solver.update(**{key: value for key, value in self._data._asdict().items() if key != "P" or value.nnz})
                 self._offset = form.offset(p)
-        return CompiledSolution(self._form, self._data, self._offset, self._solver.solve())
+        solution = CompiledSolution(self._form, self._data, self._offset, self._solver.solve())
+        if solution.status == FAILED:
+            # A set with hardly any interior is lost in Clarabel's usual regularisation.
+            finer = solver_settings()
+            finer.static_regularization_constant = FINE_REGULARISATION
+            raw = clarabel.DefaultSolver(*self._data, clarabel_cones(self._form.cones), finer).solve()
+            solution = CompiledSolution(self._form, self._data, self._offset, raw)
+        return solution
 
     def _cost(self, name: str) -> tuple[Array, Array]:
         """Q as an affine function of one parameter, the others as they are."""
@@ -112,6 +120,9 @@ class CompiledSolution:
         self._form, self._conic, self._offset, self._raw = form, data, offset, raw
         self.detail = str(raw.status)
         self.status = STATUS.get(self.detail, FAILED)
+        # The solver stopped short of what it was asked for: what it has is judged by its residuals.
+        if self.status == FAILED and max(self.residuals) <= ACCEPTED:
+            self.status = SOLVED
 
     @property
     def objective(self) -> float:

@@ -17,6 +17,7 @@ from socp_statics.spatial import Array
 from socp_statics.stability.idle import idle_contacts
 from socp_statics.stability.margin import BOUNDARY, Margin, normal_force_margin
 from socp_statics.statics import PointForces, StaticsData, assemble, point_forces
+from socp_statics.statics.wrench_range import INSIDE
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,8 +131,10 @@ def _at_the_boundary(
     undecided = _answer(data, cone, margin, "undecided", "boundary")
     idle = idle_contacts(data, cone, form, engine, margin.x)
     rest = [c for c in stance.contacts if c.name not in idle.names]
-    if not idle.names or not rest:
-        return _with(undecided, idle=idle.names)
+    if not idle.names:
+        return undecided
+    if not rest:
+        return _without_contacts(stance, data, undecided, idle.names)
     others = Stance(ContactSet(rest), stance.com, stance.mass, stance.gravity, stance.external_wrenches)
     part = assemble(others)
     reserve = normal_force_margin(part, cone, form, engine)
@@ -150,6 +153,16 @@ def _at_the_boundary(
             none = {"balance": 0.0, "cone": 0.0, "gap": reserve.gap}
             return _with(undecided, verdict="unstable", reason=None, forces=None, certificate=certificate, residuals=none, **found)
     return _with(undecided, **found)
+
+
+def _without_contacts(stance: Stance, data: StaticsData, undecided: EquilibriumAnswer, idle: tuple[str, ...]) -> EquilibriumAnswer:
+    """No contact can be loaded: the load balances itself, or it is too near to that to tell."""
+    if np.linalg.norm(data.load) > INSIDE:
+        return _with(undecided, idle=idle)
+    forces = point_forces(data, np.zeros(data.wrench_map.shape[1]))
+    none = {"balance": 0.0, "cone": 0.0, "gap": 0.0}
+    found = {"verdict": "stable", "reason": None, "idle": idle, "idle_margin": np.inf, "residuals": none}
+    return _with(undecided, **found, forces=forces, certificate=ForcesCertificate())
 
 
 def _with(answer: EquilibriumAnswer, **changes: Any) -> EquilibriumAnswer:
