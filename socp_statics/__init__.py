@@ -30,6 +30,12 @@ _HOMES = {
     "base_of_support": "regions",
     "optimise_contact_forces": "optimization",
     "minimise_largest_wrench": "optimization",
+    "Robot": "robots",
+    "ContactFrame": "robots",
+    "load_robot": "robots",
+    "Posture": "postures",
+    "pose": "postures",
+    "minimise_torque_use": "optimization",
     "load_problem": "cases.problem",
     "solve": "cases.solve",
     "Record": "cases.record",
@@ -58,9 +64,15 @@ if TYPE_CHECKING:
     from socp_statics.exceptions import StaticsError as StaticsError
     from socp_statics.figures import draw as draw
     from socp_statics.optimization import minimise_largest_wrench as minimise_largest_wrench
+    from socp_statics.optimization import minimise_torque_use as minimise_torque_use
     from socp_statics.optimization import optimise_contact_forces as optimise_contact_forces
+    from socp_statics.postures import Posture as Posture
+    from socp_statics.postures import pose as pose
     from socp_statics.regions import base_of_support as base_of_support
     from socp_statics.regions import trace_support_region as trace_support_region
+    from socp_statics.robots import ContactFrame as ContactFrame
+    from socp_statics.robots import Robot as Robot
+    from socp_statics.robots import load_robot as load_robot
     from socp_statics.stability import check_equilibrium as check_equilibrium
 
 

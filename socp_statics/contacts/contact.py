@@ -6,7 +6,7 @@ which points from the environment into the robot. Forces are reactions: environm
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -66,6 +66,13 @@ class Contact:
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({self.name!r}, position={self.position.tolist()}, friction={self.friction:g})"
+
+    def placed(self, position: Array, rotation: Array, friction: float) -> Self:
+        """The same contact somewhere else; placement and friction are taken as they are, checked and orthonormal."""
+        other = object.__new__(type(self))
+        other.__dict__.update(self.__dict__)
+        other._freeze(position=position, rotation=rotation, friction=friction)
+        return other
 
     @property
     def frictionless(self) -> bool:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -25,12 +25,14 @@ class ExternalWrench:
         force: Force on the robot, shape (3,) [N].
         moment: Moment on the robot about ``point``, shape (3,) [N m].
         point: Where the force acts, shape (3,) [m]; required with a force.
+        link: The link of the robot it acts on, the base by default; matters for joint torques only.
         name: What to call it in an error sentence.
     """
 
     force: Any = (0.0, 0.0, 0.0)
     moment: Any = (0.0, 0.0, 0.0)
     point: Any = None
+    link: str | None = None
     name: str = "external wrench"
 
     def __post_init__(self) -> None:
@@ -59,6 +61,8 @@ class Stance:
         gravity: Acceleration of gravity in world axes, shape (3,) [m/s^2].
         external_wrenches: Wrenches impressed on the robot beside gravity.
         inertia: Inertia about the centre of mass in world axes, shape (3, 3) [kg m^2], or None.
+        posture: The posture behind the stance where there is a robot (`socp_statics.postures.Posture`), or None.
+        torque_limits: Lower and upper joint torques that the forces have to respect, shape (n, 2) [N m], or None.
 
     Raises:
         InputError: A number is not finite, the mass is not positive, or the inertia is not positive definite.
@@ -70,6 +74,8 @@ class Stance:
     gravity: Any = GRAVITY_W
     external_wrenches: tuple[ExternalWrench, ...] = field(default=())
     inertia: Any = None
+    posture: Any = None
+    torque_limits: Array | None = None
 
     def __post_init__(self) -> None:
         set_ = object.__setattr__
@@ -96,20 +102,22 @@ def as_contact_set(contacts: ContactSet | Iterable[Contact]) -> ContactSet:
 
 
 def stance_of(
-    contacts: Stance | ContactSet | Iterable[Contact],
+    contacts: Any,
     com: Any = None,
     mass: float | None = None,
     gravity: Any = None,
     external_wrenches: Iterable[ExternalWrench | dict[str, Any]] = (),
+    torque_limits: bool | Mapping[str, Any] = False,
 ) -> Stance:
     """The stance of a question's arguments.
 
     Args:
-        contacts: Contacts, or a Stance, which brings everything else.
+        contacts: Contacts; a Stance, which brings everything else; or a posture, which brings centre of mass and mass.
         com: Centre of mass in world axes, shape (3,) [m].
         mass: Mass [kg]; 1 kg where neither a bound, a limit nor an external wrench makes it matter.
         gravity: Acceleration of gravity, shape (3,) [m/s^2].
         external_wrenches: Wrenches impressed on the robot, as objects or as mappings of their fields.
+        torque_limits: True or a mapping of limits, where a robot is given.
 
     Returns:
         The stance.
@@ -118,12 +126,15 @@ def stance_of(
         InputError: Something is missing or given twice.
     """
     wrenches = tuple(w if isinstance(w, ExternalWrench) else ExternalWrench(**w) for w in external_wrenches)
+    posed = not isinstance(contacts, Stance) and hasattr(contacts, "com_jacobian")
+    if posed:
+        _refuse_twice({"com": com, "mass": mass}, "the posture")
+        return contacts.stance(gravity, wrenches, torque_limits)
     if isinstance(contacts, Stance):
-        extra = {"com": com, "mass": mass, "gravity": gravity, "external_wrenches": wrenches or None}
-        for key, value in extra.items():
-            if value is not None:
-                raise InputError(f"stance 'posture': {key} is given twice, the stance already has it", name="posture", field=key)
-        return contacts
+        _refuse_twice({"com": com, "mass": mass, "gravity": gravity, "external_wrenches": wrenches or None}, "the stance")
+        return contacts if torque_limits is False else _limited(contacts, torque_limits)
+    if torque_limits is not False:
+        raise InputError("stance 'posture': torque_limits need a robot, contacts alone have no joints", name="posture", field="torque_limits")
     contact_set = as_contact_set(contacts)
     if com is None:
         raise InputError("stance 'posture': com is missing, give the centre of mass [x, y, z]", name="posture", field="com")
@@ -134,3 +145,15 @@ def stance_of(
             raise InputError(f"stance 'posture': mass is missing, it matters because {what}", name="posture", field="mass")
         mass = 1.0
     return Stance(contact_set, com, mass, GRAVITY_W if gravity is None else gravity, wrenches)
+
+
+def _refuse_twice(given: dict[str, Any], owner: str) -> None:
+    for key, value in given.items():
+        if value is not None:
+            raise InputError(f"stance 'posture': {key} is given twice, {owner} already has it", name="posture", field=key)
+
+
+def _limited(stance: Stance, torque_limits: bool | Mapping[str, Any]) -> Stance:
+    if stance.posture is None:
+        raise InputError("stance 'posture': torque_limits need a robot, this stance has none", name="posture", field="torque_limits")
+    return replace(stance, torque_limits=stance.posture.torque_limits(torque_limits))

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from socp_statics.exceptions import InputError
+from socp_statics.registry import nearest
 from socp_statics.robots.catalogue import ROBOTS as ROBOTS
 from socp_statics.robots.contact_frame import ContactFrame as ContactFrame
 from socp_statics.robots.robot import Robot as Robot
@@ -35,11 +36,7 @@ def load_robot(name: str | Path, frames: Mapping[str, Any] | None = None, *, fol
     written = str(name)
     if isinstance(name, Path) or written.lower().endswith(".urdf") or "/" in written or "\\" in written:
         return robot_from_urdf(Path(folder or "") / name, frames)
-    if not isinstance(name, str) or name not in ROBOTS.names():
-        known = ", ".join(ROBOTS.names())
-        try:
-            ROBOTS.check(written)
-        except InputError as error:
-            hint = "" if known in str(error) else f", known: {known}"
-            raise InputError(f"{error}{hint}; a path must end in .urdf", name=written, field="robot") from error
+    if written not in ROBOTS.names():
+        message = f"robot {written!r} is not known{nearest(written, ROBOTS.names())}; a path must end in .urdf"
+        raise InputError(message, name=written, field="robot")
     return ROBOTS.load(written)().with_frames(frames or {})

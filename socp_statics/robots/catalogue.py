@@ -35,14 +35,15 @@ def hoap2() -> Robot:
 
     sole = ((TOE, -HALF_WIDTH), (TOE, HALF_WIDTH), (HEEL, HALF_WIDTH), (HEEL, -HALF_WIDTH))
     to_the_elbow = ((0.0, 0.0, -1.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0))
-    frames = {}
-    for side, letter in (("left", "L"), ("right", "R")):
-        foot, hand = f"{side}_foot", f"{side}_hand"
-        frames[foot] = ContactFrame(foot, f"{letter}LEG_LINK6", vertices=sole, position=(0.0, 0.0, -ANKLE_HEIGHT))
-        frames[hand] = ContactFrame(hand, f"{letter}ARM_LINK4", "point", position=(FINGERTIP, 0.0, 0.0), rotation=to_the_elbow)
+    sides = (("left", "L"), ("right", "R"))
+    feet = [ContactFrame(f"{side}_foot", f"{letter}LEG_LINK6", vertices=sole, position=(0.0, 0.0, -ANKLE_HEIGHT)) for side, letter in sides]
+    hands = [
+        ContactFrame(f"{side}_hand", f"{letter}ARM_LINK4", "point", position=(FINGERTIP, 0.0, 0.0), rotation=to_the_elbow)
+        for side, letter in sides
+    ]
     return robot_from_urdf(
         Path(__file__).with_name("hoap2.urdf"),
-        frames,
+        {frame.name: frame for frame in (*feet, *hands)},
         name="hoap2",
         source="manufacturer's mass tables and link lengths as in github.com/hinataros/V6 (misc/hoap2, share/model/skeleton); "
         "joint ranges of github.com/cyberbotics/webots (Hoap2.proto)",

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from socp_statics.contacts import CONTACT_TYPES, Contact, contact_from_statement
-from socp_statics.contacts.numbers import vector
+from socp_statics.contacts.numbers import scalar, vector
 from socp_statics.contacts.orientation import contact_rotation
 from socp_statics.exceptions import InputError
 from socp_statics.registry import nearest
@@ -45,13 +45,17 @@ class ContactFrame:
     position: Any = None
     rotation: Any = None
     extra: Mapping[str, Any] = field(default_factory=dict)
-    _given: dict[str, Any] = field(init=False, repr=False)
+    _pattern: Contact = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         set_ = object.__setattr__
         if not isinstance(self.frame, str) or not self.frame:
             message = f"contact '{self.name}': frame must be the name of a link of the robot, got {self.frame!r}"
             raise InputError(message, name=str(self.name), field="frame")
+        for key in self.extra:
+            if key not in SHAPE_KEYS[2:]:
+                message = f"contact '{self.name}': {key} is not a key of a contact frame{nearest(str(key), SHAPE_KEYS)}"
+                raise InputError(message, name=self.name, field=str(key))
         set_(self, "position", vector(self.name, "position", np.zeros(3) if self.position is None else self.position, 3))
         rotation = np.eye(3) if self.rotation is None else contact_rotation(self.name, self.rotation, None, None)
         rotation.setflags(write=False)
@@ -59,9 +63,8 @@ class ContactFrame:
         keys = {"size": self.size, "vertices": self.vertices, **self.extra}
         given = {key: value for key, value in keys.items() if value is not None}
         trial = {"name": self.name, "type": self.type, "position": self.position, "rotation": rotation} | given
-        contact_from_statement(trial if self.type in WITHOUT_FRICTION else trial | {"friction": 1.0})
+        set_(self, "_pattern", contact_from_statement(trial if self.type in WITHOUT_FRICTION else trial | {"friction": 1.0}))
         set_(self, "extra", dict(self.extra))
-        set_(self, "_given", given)
 
     @classmethod
     def from_statement(cls, name: str, keys: Mapping[str, Any]) -> ContactFrame:
@@ -100,17 +103,11 @@ class ContactFrame:
         Raises:
             InputError: Friction is missing or wrong.
         """
-        keys = self._given if self.type in WITHOUT_FRICTION else {**self._given, "friction": friction}
-        make: Any = CONTACT_TYPES[self.type]
-        return make(self.name, p_WF + R_WF @ self.position, R_WF @ self.rotation, **keys)
+        pattern = self._pattern
+        mu = pattern.friction if self.type in WITHOUT_FRICTION else scalar(self.name, "friction", friction, least=0.0)
+        return pattern.placed(p_WF + R_WF @ self.position, R_WF @ self.rotation, mu)
 
     def statement(self) -> dict[str, Any]:
         """The keys that state this frame again, as plain lists and numbers."""
-        lists = {key: np.asarray(value).tolist() if key in ("size", "vertices") else value for key, value in self._given.items()}
-        return {
-            "frame": self.frame,
-            "type": self.type,
-            **lists,
-            "position": self.position.tolist(),
-            "rotation": self.rotation.tolist(),
-        }
+        keys = {key: value for key, value in self._pattern.statement().items() if key not in ("name", "friction")}
+        return {"frame": self.frame, **keys}

@@ -26,8 +26,8 @@ def check_mechanism(urdf: UrdfText) -> None:
     links, joints = _named(urdf, "link"), _named(urdf, "joint")
     if not links:
         raise urdf.wrong("<robot>", "has no link, at least one is expected")
-    for name, link in links.items():
-        _check_link(urdf, f"link '{name}'", link)
+    if not sum(_checked_mass(urdf, f"link '{name}'", link) for name, link in links.items()) > 0:
+        raise urdf.wrong("<robot>", "has no link with a mass > 0, at least one is expected")
     for name, joint in joints.items():
         _check_joint(urdf, f"joint '{name}'", joint, links)
     for name, joint in joints.items():
@@ -47,18 +47,19 @@ def _named(urdf: UrdfText, kind: str) -> dict[str, ElementTree.Element]:
     return named
 
 
-def _check_link(urdf: UrdfText, element: str, link: ElementTree.Element) -> None:
+def _checked_mass(urdf: UrdfText, element: str, link: ElementTree.Element) -> float:
     inertial = link.find("inertial")
     if inertial is None:
-        return
+        return 0.0
     mass, inertia = inertial.find("mass"), inertial.find("inertia")
     if mass is None or inertia is None:
         raise urdf.wrong(element, f"has an <inertial> without <{'mass' if mass is None else 'inertia'}>")
-    if (value := urdf.numbers(element, mass, "value", 1)[0]) < 0:
+    if (value := float(urdf.numbers(element, mass, "value", 1)[0])) < 0:
         raise urdf.wrong(element, f"has a negative mass, a mass >= 0 is expected, got {value:g} kg")
     urdf.placement(element, inertial)
     for key in INERTIA:
         urdf.numbers(element, inertia, key, 1)
+    return value
 
 
 def _check_joint(urdf: UrdfText, element: str, joint: ElementTree.Element, links: dict[str, ElementTree.Element]) -> None:

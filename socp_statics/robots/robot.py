@@ -68,10 +68,10 @@ class Robot:
 
         self.name, self.source, self.licence = name, source, licence
         self.pin_model, self.shapes = pin_model, tuple(shapes)
+        self._read_joints()
         self.mass = float(pinocchio.computeTotalMass(pin_model))
         if not 0.0 < self.mass < np.inf:
             raise InputError(f"robot '{name}': its mass must be a finite number > 0, got {self.mass:g} kg", name=name, field="mass")
-        self._read_joints()
         self._read_torque_limits(torque_limits_real)
         self.torque_limits_note = torque_limits_note
         self._frame_ids = {frame.name: index for index, frame in reversed(list(enumerate(pin_model.frames))) if index}

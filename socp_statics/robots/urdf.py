@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from socp_statics.exceptions import InputError
 from socp_statics.robots.mechanism import above_leaders, bare_text, check_mechanism
 from socp_statics.robots.robot import Robot
 from socp_statics.robots.shapes import primitive_shapes
@@ -59,20 +60,24 @@ def robot_from_urdf(
 
 def _pin_model(urdf: UrdfText) -> Any:
     """The Pinocchio model; where a leader would come after the joint that mimics it, its branch is put first."""
+    leaders = above_leaders(urdf)
+    try:
+        return _build(urdf, frozenset())
+    except InputError:
+        if not leaders:
+            raise
+    model = _build(urdf, leaders)
+    for leader in leaders:
+        model.names[model.getJointId(f"!{leader}")] = leader
+        model.frames[model.getFrameId(f"!{leader}")].name = leader
+    return model
+
+
+def _build(urdf: UrdfText, first: frozenset[str]) -> Any:
     import pinocchio
 
-    leaders = above_leaders(urdf)
-    for first in (frozenset[str](), leaders):
-        try:
-            model = pinocchio.buildModelFromXML(bare_text(urdf, first), pinocchio.JointModelFreeFlyer(), True)
-        except (ValueError, RuntimeError) as error:
-            if leaders and not first:
-                continue
-            reason = " ".join(str(error).split()) or "no reason given"
-            raise urdf.wrong("<robot>", f"is refused by Pinocchio ({reason})") from error
-        for marked in first:
-            index = model.getJointId(f"!{marked}")
-            model.names[index] = marked
-            model.frames[model.getFrameId(f"!{marked}")].name = marked
-        return model
-    raise AssertionError("unreachable")
+    try:
+        return pinocchio.buildModelFromXML(bare_text(urdf, first), pinocchio.JointModelFreeFlyer(), True)
+    except (ValueError, RuntimeError) as error:
+        reason = " ".join(str(error).split()) or "no reason given"
+        raise urdf.wrong("<robot>", f"is refused by Pinocchio ({reason})") from error

@@ -7,6 +7,7 @@ import numpy as np
 from socp_statics.contacts import Handle, SoftFingerContact, Stance
 from socp_statics.contacts.contact import COMPONENTS, Contact
 from socp_statics.spatial import Array
+from socp_statics.statics.joint_torques import joint_torques, limit_rows
 from socp_statics.statics.statics_data import StaticsData
 from socp_statics.statics.units import Units, units_of
 
@@ -87,6 +88,11 @@ def assemble(stance: Stance) -> StaticsData:
     load, shift, com = gravity_load(stance, units)
     bounded = [k for k in unilateral if contacts[k].normal_force is not None]
     rows, values, labels = _handle_limits(contacts, handles, units, G.shape[1])
+    of_column = np.concatenate([np.repeat(of_point[:slipping], 2), of_point, of_point[soft], of_handle])
+    torques = joint_torques(stance, units, G, of_column, position)
+    if stance.torque_limits is not None:
+        torque_rows, torque_values, joints = limit_rows(torques)
+        rows, values, labels = np.vstack([rows, torque_rows]), np.concatenate([values, torque_values]), (*labels, *joints)
     return StaticsData(
         units=units,
         circular=int(counts[:2].sum()),
@@ -111,6 +117,7 @@ def assemble(stance: Stance) -> StaticsData:
         position=position,
         point=point,
         names=stance.contacts.names,
+        torques=torques,
     )
 
 

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from socp_statics.spatial import Array
+from socp_statics.statics.joint_torques import NONE as NO_TORQUES
+from socp_statics.statics.joint_torques import JointTorques
 from socp_statics.statics.units import Units
 
 
@@ -33,13 +37,14 @@ class StaticsData:
         component_of_handle: Index of each handle component in (fx, fy, fz, mx, my, mz), shape (nh,).
         bounded: Indices of the contacts whose normal force is bounded, shape (nb,).
         bounds: Their ``[lo, hi]``, shape (nb, 2).
-        limit_rows: H of the hard rows ``H x <= d``, shape (nl, nx).
+        limit_rows: H of the hard rows ``H x <= d``: handle limits, then torque limits, shape (nl, nx).
         limit_values: d, shape (nl,).
         limit_names: What each hard row limits, length nl.
         rotation: R_WC of each contact, shape (contacts, 3, 3).
         position: Position of each contact relative to the origin, shape (contacts, 3).
         point: Each point relative to the origin, shape (points, 3).
         names: Contact names.
+        torques: Joint torques as a function of x, empty without a robot; their limits are among the hard rows.
     """
 
     units: Units
@@ -65,6 +70,7 @@ class StaticsData:
     position: Array
     point: Array
     names: tuple[str, ...]
+    torques: JointTorques = NO_TORQUES
 
     @property
     def points(self) -> int:
@@ -91,6 +97,11 @@ class StaticsData:
         """Where m_n is in x."""
         start = 2 * self.slipping + self.points
         return slice(start, start + self.box + self.elliptic)
+
+    @property
+    def handle_limits(self) -> int:
+        """Number of hard rows that are handle limits; the others are torque limits."""
+        return len(self.limit_names) - int(self.torques.limits.size - (~np.isfinite(self.torques.limits)).sum())
 
     @property
     def handle(self) -> slice:

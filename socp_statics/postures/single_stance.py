@@ -1,0 +1,52 @@
+"""Generator: on one foot, the other leg beside it or lifted."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from numpy.typing import ArrayLike
+
+from socp_statics.exceptions import InputError
+from socp_statics.postures.joint_roles import SIDES, arm_angles
+from socp_statics.postures.level_ground import on_level_ground
+from socp_statics.postures.posture import Posture, pose
+from socp_statics.postures.squat import bent_leg
+from socp_statics.robots import Robot
+
+
+def generate(
+    robot: Robot,
+    *,
+    support: Sequence[str] = ("left_foot",),
+    at: ArrayLike = (0.0, 0.0, 0.0),
+    friction: float | Mapping[str, float] = 0.5,
+    knee: float = 0.0,
+    lift: float = 0.0,
+    arms: str = "down",
+) -> Posture:
+    """On one foot.
+
+    Args:
+        robot: A robot whose joint roles are known.
+        support: The one foot that touches, "left_foot" or "right_foot".
+        at: Position of its contact, shape (3,) [m].
+        friction: Coulomb coefficient.
+        knee: Knee angle of both legs, hip and ankle at minus half of it [rad].
+        lift: Further knee angle of the free leg [rad].
+        arms: "down" or "forward".
+
+    Returns:
+        The posture; the load on the foot has to pass through its sole for it to be stable.
+
+    Raises:
+        InputError: Not exactly one foot, or as `pose`.
+    """
+    feet = {f"{side}_foot": side for side in SIDES}
+    names = (support,) if isinstance(support, str) else tuple(support)
+    if len(names) != 1 or names[0] not in feet:
+        message = f"single_stance: support must be one of {', '.join(feet)}, got {list(names)}"
+        raise InputError(message, name="single_stance", field="support")
+    angles = arm_angles(robot, arms)
+    for foot, side in feet.items():
+        angles |= bent_leg(robot, side, knee if foot == names[0] else knee + lift)
+    return on_level_ground(pose(robot, angles, names, friction, at), "single_stance")
