@@ -12,6 +12,7 @@ import numpy as np
 
 from socp_statics.cones.choice import ConeChoice
 from socp_statics.spatial import Array
+from socp_statics.statics.joint_torques import joint_rates
 from socp_statics.statics.statics_data import StaticsData
 
 
@@ -49,19 +50,49 @@ def _resistance(data: StaticsData, cone: ConeChoice, u_t: Array, twist: Array) -
     return np.where(elliptic & (cone.kind == "inscribed"), np.maximum(slide, twist), slide + twist)
 
 
-def contact_motion(data: StaticsData, cone: ConeChoice, twist: Array) -> ContactMotion:
-    """Velocities and least works of a twist.
+class Motion(NamedTuple):
+    """A candidate motion: scaled twist ``[v; w]`` about the origin, shape (6,), and scaled joint rates, shape (n,)."""
+
+    twist: Array
+    joints: Array
+
+
+def motion_of(data: StaticsData, twist: Array, limit_multipliers: Array | None = None) -> Motion:
+    """The motion behind the multipliers of the balance and of the hard rows.
+
+    Args:
+        data: The stance's arrays.
+        twist: Multipliers of the balance, shape (6,).
+        limit_multipliers: Multipliers of the hard rows, or None where there are none.
+
+    Returns:
+        The motion; joints move only where their torque is limited.
+    """
+    none = np.zeros(len(data.torques.names))
+    if limit_multipliers is None or not data.torques.limited:
+        return Motion(twist, none)
+    return Motion(twist, joint_rates(data.torques, limit_multipliers[data.handle_limits :]))
+
+
+def contact_motion(data: StaticsData, cone: ConeChoice, motion: Motion) -> ContactMotion:
+    """Velocities and least works of a motion.
 
     Args:
         data: The stance's arrays.
         cone: Exact cones or pyramids.
-        twist: Scaled ``[v; w]`` about the origin, dual of a scaled wrench, shape (6,).
+        motion: Twist and joint rates.
 
     Returns:
         The motion at the contacts.
     """
-    rates = data.wrench_map.T @ twist
+    twist, joints = motion
     velocity_W = twist[:3] + np.cross(twist[3:], data.point)
+    rates = data.wrench_map.T @ twist
+    if len(joints):
+        frame = data.torques.jacobian @ joints
+        k = data.contact_of_point
+        velocity_W = velocity_W + frame[k, :3] + np.cross(frame[k, 3:], data.point - data.position[k])
+        rates = rates + data.torques.map.T @ joints
     velocity = np.einsum("nij,ni->nj", data.rotation[data.contact_of_point], velocity_W)
     spin = np.zeros(data.points)
     spin[data.circular - data.box : data.slipping] = data.torsion * np.abs(rates[data.torsional])
@@ -75,44 +106,46 @@ class Work(NamedTuple):
     """Least power of everything on a motion, and how far its unbounded parts are from being ruled out.
 
     Attributes:
-        power: Load plus bounded contacts plus limited handles, at their least; scaled.
-        violation: Largest way an unbounded force could work against the motion, 0 for a certificate; scaled.
+        power: Load, bounded contacts, limited handles and limited torques, at their least; scaled.
+        violation: Largest way an unbounded force or torque could work against the motion, 0 for a certificate; scaled.
     """
 
     power: float
     violation: float
 
 
-def least_work(data: StaticsData, motion: ContactMotion, twist: Array) -> Work:
-    """Least power of load and admissible forces on a motion.
+def least_work(data: StaticsData, motion: Motion, at_contacts: ContactMotion) -> Work:
+    """Least power of load and admissible forces and torques on a motion.
 
     Args:
         data: The stance's arrays.
-        motion: The motion at the contacts.
-        twist: The scaled twist, shape (6,).
+        motion: Twist and joint rates.
+        at_contacts: The motion at the contacts.
 
     Returns:
-        Power and violation; power > 0 with violation 0 proves that no admissible force balances the load.
+        Power and violation; power > 0 with violation 0 proves that no admissible force and torque balance the load.
     """
-    power = float(data.load @ twist)
+    power = float(data.load @ motion.twist) - float(data.torques.passive @ motion.joints)
     bounded = dict(zip(data.bounded.tolist(), data.bounds, strict=True))
     violation = 0.0
     for k in np.unique(data.contact_of_point):
-        grip = float(motion.grip[data.contact_of_point == k].min())
+        grip = float(at_contacts.grip[data.contact_of_point == k].min())
         lo, hi = bounded.get(int(k), (0.0, np.inf))
         if grip >= 0.0 or np.isfinite(hi):
             power += (lo if grip >= 0.0 else hi) * grip
         else:
             violation = max(violation, -grip)
             power += lo * grip
-    limits = np.full((len(motion.handle), 2), np.inf)
-    for row, value in zip(data.limit_rows, data.limit_values, strict=True):
+    limits = np.tile([-np.inf, np.inf], (len(at_contacts.handle), 1))
+    for row, value in zip(data.limit_rows[: data.handle_limits], data.limit_values, strict=False):
         (j,) = np.flatnonzero(row[data.handle])
-        limits[j, 0 if row[data.handle][j] < 0 else 1] = value
-    for rate, (low, high) in zip(motion.handle, limits, strict=True):
-        reach = low if rate > 0 else high
-        if np.isfinite(reach):
-            power -= reach * abs(rate)
+        upper = row[data.handle][j] > 0
+        limits[j, int(upper)] = value if upper else -value
+    rates = np.concatenate([at_contacts.handle, motion.joints])
+    for rate, (low, high) in zip(rates, np.vstack([limits, data.torques.limits]), strict=True):
+        end = low if rate > 0 else high
+        if np.isfinite(end):
+            power += end * rate
         else:
             violation = max(violation, abs(rate))
     return Work(power, violation)

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from socp_statics.certificates.contact_motion import ContactMotion
+from socp_statics.certificates.contact_motion import ContactMotion, Motion
 from socp_statics.spatial import Array
 from socp_statics.statics.statics_data import StaticsData
 
 REST = 1e-6
+GENTLE = 1e-3
+MOST_JOINTS = 3
 AXES = {"+x": (1, 0, 0), "-x": (-1, 0, 0), "+y": (0, 1, 0), "-y": (0, -1, 0), "+z": (0, 0, 1), "-z": (0, 0, -1)}
 FLOOR_WORDS = ("front", "front left", "left", "back left", "back", "back right", "right", "front right")
 
@@ -80,29 +82,60 @@ def _pivots(data: StaticsData, states: list[str]) -> dict[str, str]:
     return out
 
 
+def _yielding(data: StaticsData, motion: ContactMotion) -> list[str]:
+    """Contacts that are pushed in against the upper bound of their normal force."""
+    scale = max(float(np.abs(motion.velocity).max(initial=0.0)), 1e-300)
+    pushed = motion.grip < -REST * scale
+    return [data.names[k] for k in data.bounded if pushed[data.contact_of_point == k].any()]
+
+
 def _and(words: list[str]) -> str:
     return words[0] if len(words) == 1 else ", ".join(words[:-1]) + " and " + words[-1]
 
 
-def reading(data: StaticsData, motion: ContactMotion, com_velocity: Array, turning: bool) -> str:
-    """The motion in one sentence that names the contacts.
+def _giving_way(data: StaticsData, motion: Motion) -> str:
+    """Joints that turn against their torque limits, the fastest first."""
+    torques, rates = data.torques, motion.joints
+    fastest = float(np.abs(rates).max(initial=0.0))
+    if fastest <= REST * max(1.0, float(np.abs(motion.twist).max())):
+        return ""
+    turning = [int(k) for k in np.argsort(-np.abs(rates), kind="stable") if abs(rates[k]) > GENTLE * fastest]
+    scale = data.units.force * data.units.length
+    named = [f"{torques.names[k]} ({scale * torques.limits[k, 0 if rates[k] > 0 else 1]:.3g} N m)" for k in turning[:MOST_JOINTS]]
+    more = f" and {len(turning) - MOST_JOINTS} more" if len(turning) > MOST_JOINTS else ""
+    verb = "give" if len(turning) > 1 else "gives"
+    return f"{_and(named) if not more else ', '.join(named) + more} {verb} way at the torque limit"
+
+
+def reading(data: StaticsData, whole: Motion, motion: ContactMotion) -> str:
+    """The motion in one sentence that names joints and contacts.
 
     Args:
         data: The stance's arrays.
+        whole: Twist and joint rates.
         motion: The motion at the contacts.
-        com_velocity: Scaled velocity of the centre of mass, world axes, shape (3,).
-        turning: Whether the motion has a rotation worth naming.
 
     Returns:
         For example "tips about the right edge of right_foot, left_foot opens".
     """
+    joints = _giving_way(data, whole)
+    contacts = _at_contacts(data, whole, motion, bool(joints))
+    return ", ".join(part for part in (joints, contacts) if part)
+
+
+def _at_contacts(data: StaticsData, whole: Motion, motion: ContactMotion, with_joints: bool) -> str:
+    com_velocity = whole.twist[:3] + np.cross(whole.twist[3:], data.com)
+    turning = float(np.linalg.norm(whole.twist[3:])) > 1e-6
     states = point_states(motion)
     words = contact_states(data, motion)
     pivots = _pivots(data, states)
     holding = [name for name, word in words.items() if word == "holds" and name not in pivots]
     sliding = [name for name, word in words.items() if word == "slides"]
-    opening = [name for name, word in words.items() if word == "opens"]
+    yielding = _yielding(data, motion)
+    opening = [name for name, word in words.items() if word == "opens" and name not in yielding]
     parts = []
+    if with_joints and not pivots and len(holding) == len(words):
+        return ""
     if pivots:
         parts.append("tips about " + _and([*pivots.values(), *holding]))
     elif holding and turning:
@@ -117,6 +150,8 @@ def reading(data: StaticsData, motion: ContactMotion, com_velocity: Array, turni
     if falling:
         parts.append(f"falls between {_and(sliding)}")
     parts += [f"{how} at {_and(names)}" for how, names in directions.items()]
+    if yielding:
+        parts.append(f"{_and(yielding)} {'give' if len(yielding) > 1 else 'gives'} way at the bound of the normal force")
     if opening:
         alone = not parts
         verb = "open" if len(opening) > 1 else "opens"

@@ -6,6 +6,7 @@ which points from the environment into the robot. Forces are reactions: environm
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -249,12 +250,14 @@ class Handle(Contact):
     def __init__(self, name: str, position: Any, rotation: Any = None, *, normal: Any = None, rpy: Any = None, transmits: Any,
                  limits: Any = None):  # fmt: skip
         super().__init__(name, position, rotation, normal, rpy, 0.0, None)
-        words = [transmits] if isinstance(transmits, str) else list(transmits)
+        words = [transmits] if isinstance(transmits, str) or not isinstance(transmits, Iterable) else list(transmits)
         unknown = [word for word in words if word not in COMPONENTS]
         if unknown or not words or len(set(words)) != len(words):
             what = f"got {unknown[0]!r}" if unknown else "got none" if not words else "one is named twice"
             message = f"contact '{name}': transmits must name components of {', '.join(COMPONENTS)}, {what}"
             raise InputError(message, name=name, field="transmits")
+        if not isinstance(limits or {}, Mapping):
+            raise InputError(f"contact '{name}': limits must be a table of component = [lo, hi], got {limits!r}", name=name, field="limits")
         bounds = {key: interval(name, f"limits.{key}", value) for key, value in (limits or {}).items()}
         for key in bounds:
             if key not in words:
@@ -288,7 +291,7 @@ def contact_from_statement(statement: dict[str, Any]) -> Contact:
     """
     keys = dict(statement)
     name, kind = str(keys.pop("name", "")), keys.pop("type", None)
-    if kind not in CONTACT_TYPES:
+    if not isinstance(kind, str) or kind not in CONTACT_TYPES:
         raise InputError(f"contact '{name}': type must be one of {', '.join(CONTACT_TYPES)}, got {kind!r}", name=name, field="type")
     cls = CONTACT_TYPES[kind]
     if kind.startswith("frictionless") and keys.get("friction", 0) == 0:

@@ -24,6 +24,8 @@ class ContactSet:
     """
 
     def __init__(self, contacts: Iterable[Contact]):
+        if not isinstance(contacts, Iterable):
+            raise InputError(f"contacts: a list of contacts is expected, got {contacts!r}", field="contacts")
         self._contacts = tuple(contacts)
         if not self._contacts:
             raise InputError("contacts: at least one contact is expected, got none", field="contacts")

@@ -50,6 +50,21 @@ class ExternalWrench:
         return self.moment if self.point is None else moment_about(o, self.point, self.force, self.moment)
 
 
+def as_external_wrench(wrench: Any) -> ExternalWrench:
+    """A load given as an object or as a mapping of its fields.
+
+    Raises:
+        InputError: Neither, or a key that a load does not have.
+    """
+    if isinstance(wrench, ExternalWrench):
+        return wrench
+    known = {"force", "moment", "point", "link", "name"}
+    if not isinstance(wrench, Mapping) or set(wrench) - known:
+        message = f"load 'external wrench': a table of {', '.join(sorted(known))} is expected, got {wrench!r}"
+        raise InputError(message, name="external wrench", field="external_wrenches")
+    return ExternalWrench(**wrench)
+
+
 @dataclass(frozen=True, eq=False)
 class Stance:
     """Contacts and the load they have to carry; immutable.
@@ -83,7 +98,7 @@ class Stance:
         set_(self, "com", vector("posture", "com", self.com, 3, kind="stance"))
         set_(self, "mass", scalar("posture", "mass", self.mass, above=0.0, kind="stance"))
         set_(self, "gravity", vector("posture", "gravity", self.gravity, 3, kind="stance"))
-        set_(self, "external_wrenches", tuple(self.external_wrenches))
+        set_(self, "external_wrenches", tuple(as_external_wrench(w) for w in self.external_wrenches))
         if self.inertia is not None:
             inertia = vector("posture", "inertia", self.inertia, 9, shape=(3, 3), kind="stance")
             if not np.allclose(inertia, inertia.T) or np.linalg.eigvalsh(inertia)[0] <= 0:
@@ -125,7 +140,7 @@ def stance_of(
     Raises:
         InputError: Something is missing or given twice.
     """
-    wrenches = tuple(w if isinstance(w, ExternalWrench) else ExternalWrench(**w) for w in external_wrenches)
+    wrenches = tuple(as_external_wrench(w) for w in external_wrenches)
     posed = not isinstance(contacts, Stance) and hasattr(contacts, "com_jacobian")
     if posed:
         _refuse_twice({"com": com, "mass": mass}, "the posture")
@@ -134,7 +149,8 @@ def stance_of(
         _refuse_twice({"com": com, "mass": mass, "gravity": gravity, "external_wrenches": wrenches or None}, "the stance")
         return contacts if torque_limits is False else _limited(contacts, torque_limits)
     if torque_limits is not False:
-        raise InputError("stance 'posture': torque_limits need a robot, contacts alone have no joints", name="posture", field="torque_limits")
+        message = "stance 'posture': torque_limits need a robot, contacts alone have no joints"
+        raise InputError(message, name="posture", field="torque_limits")
     contact_set = as_contact_set(contacts)
     if com is None:
         raise InputError("stance 'posture': com is missing, give the centre of mass [x, y, z]", name="posture", field="com")

@@ -7,6 +7,8 @@ for _name, _line in (
     ("equilibrium", "verdict, margin (normal-force reserve) and certificate"),
     ("contact_forces", "best contact forces: least squares, least normal force, or nearest to a reference"),
     ("minimax_wrench", "least possible largest contact load: force, normal, tangential, component or use of friction"),
+    ("orin_oh", "least sum of local joint powers plus weighted largest normal force (Orin and Oh 1981)"),
+    ("torque_feasibility", "least share of its torque limits that the worst joint has to use"),
     ("support_region", "region of CoM positions in balance, between an inner and an outer polygon"),
     ("contact_load", "largest normal force of one contact over all horizontal CoM positions"),
     ("largest_reserve", "largest margin over all horizontal CoM positions"),

@@ -19,8 +19,11 @@ import cvxpy as cp
 import numpy as np
 
 from socp_statics.cones.choice import ConeChoice
+from socp_statics.exceptions import InputError
 from socp_statics.spatial import Array
 from socp_statics.statics.statics_data import StaticsData
+
+FORMS = ("socp", "sdp")
 
 
 class ForceShape(NamedTuple):
@@ -87,7 +90,12 @@ def force_shape(data: StaticsData, cone: ConeChoice, form: str, rows: int) -> Fo
 
     Returns:
         The shape, with circumscribed elliptic soft fingers counted as boxes.
+
+    Raises:
+        InputError: There is no such form.
     """
+    if form not in FORMS:
+        raise InputError(f"form must be one of {', '.join(FORMS)}, got {form!r}", name="form", field="form")
     bounds = bound_rows(data)
     inscribed = cone.kind == "inscribed"
     as_box = data.elliptic if cone.kind == "circumscribed" else 0

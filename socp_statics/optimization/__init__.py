@@ -3,3 +3,4 @@
 from socp_statics.optimization.contact_forces import optimise_contact_forces as optimise_contact_forces
 from socp_statics.optimization.force_answer import ForceAnswer as ForceAnswer
 from socp_statics.optimization.minimax_wrench import minimise_largest_wrench as minimise_largest_wrench
+from socp_statics.optimization.torque_use import minimise_torque_use as minimise_torque_use

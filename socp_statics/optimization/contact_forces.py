@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from socp_statics.cones.choice import ConeChoice, cone_choice
-from socp_statics.contacts import Stance
 from socp_statics.contacts.numbers import vector
+from socp_statics.contacts.stance import stance_of
 from socp_statics.engines.engine import Engine
 from socp_statics.engines.solution import SOLVED, Solution
 from socp_statics.exceptions import InputError
@@ -17,36 +17,44 @@ from socp_statics.models.contact_forces import MODEL, ContactForcesShape
 from socp_statics.models.contact_forces_set import force_shape, force_values
 from socp_statics.optimization.force_answer import ForceAnswer, answer_of, infeasible, settled
 from socp_statics.optimization.force_rows import force_rows, groups
+from socp_statics.optimization.torque_use import minimise_power_and_peak
 from socp_statics.spatial import Array
 from socp_statics.stability import check_equilibrium
 from socp_statics.statics import StaticsData, assemble, wrench_range
 
-OBJECTIVES = ("least_squares", "normal_force", "reference")
+OBJECTIVES = ("least_squares", "normal_force", "reference", "orin_oh")
 
 
 def optimise_contact_forces(
-    stance: Stance,
+    stance: Any,
     objective: str = "least_squares",
     *,
     reference_forces: Mapping[str, Any] | None = None,
+    rates: Mapping[str, float] | None = None,
+    b: float | None = None,
     cone: str | ConeChoice = "exact",
     sides: int | None = None,
     heading: float | None = None,
     form: str = "socp",
     engine: str = "auto",
+    torque_limits: bool | Mapping[str, Any] = False,
 ) -> ForceAnswer:
     """Balancing contact forces that minimise an objective, with exact cones or pyramids.
 
     Args:
-        stance: Contacts, centre of mass and loads.
+        stance: A Stance or a Posture.
         objective: "least_squares", sum of |f_i|^2 over points and handles [N^2]; "normal_force", sum of the normal forces [N];
-            "reference", sum of |F_k - F_ref,k|^2 over the contacts named in ``reference_forces`` [N^2].
+            "reference", sum of |F_k - F_ref,k|^2 over the contacts named in ``reference_forces`` [N^2]; "orin_oh", sum of
+            |tau_i rate_i| over the joints plus b times the largest normal force [W].
         reference_forces: Resultant contact forces in world axes by contact, shape (3,) each [N].
+        rates: Of "orin_oh": joint to rate, joints left out count nothing; by default 1 rad/s on every joint.
+        b: Of "orin_oh": weight of the largest normal force, by default 1 [m/s].
         cone: "exact", "inscribed" or "circumscribed", or a ConeChoice.
         sides: Sides of the pyramids.
         heading: Heading of the pyramids [rad].
         form: "socp" or "sdp".
         engine: "auto" or the name of an engine.
+        torque_limits: Whether forces have to respect joint-torque limits: the robot's own, or a mapping of limits.
 
     Returns:
         The forces; status "infeasible" with the motion behind it where nothing balances.
@@ -59,7 +67,12 @@ def optimise_contact_forces(
         raise InputError(f"objective must be one of {', '.join(OBJECTIVES)}, got {objective!r}", name="objective", field="objective")
     if (objective == "reference") != bool(reference_forces):
         raise InputError("reference_forces must be given for the objective 'reference' and for no other", field="reference_forces")
+    if objective != "orin_oh" and (rates is not None or b is not None):
+        raise InputError("rates and b go with the objective 'orin_oh' only", name="rates", field="rates" if rates is not None else "b")
     choice = cone_choice(cone, sides, heading)
+    stance = stance_of(stance, torque_limits=torque_limits)
+    if objective == "orin_oh":
+        return minimise_power_and_peak(stance, rates, 1.0 if b is None else b, cone=choice, form=form, engine=engine)
     data = assemble(stance)
     F, reference = _measured(data, objective, reference_forces or {})
     equilibrium = check_equilibrium(stance, cone=choice, form=form, engine=engine)

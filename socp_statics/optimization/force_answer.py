@@ -14,6 +14,7 @@ from socp_statics.exceptions import EngineError
 from socp_statics.spatial import Array
 from socp_statics.stability import EquilibriumAnswer
 from socp_statics.statics import PointForces, StaticsData, point_forces
+from socp_statics.statics.joint_torques import torques_by_name
 
 ACCEPTED = 1e-7
 
@@ -30,6 +31,7 @@ class ForceAnswer:
         engine: Name of the engine that answered.
         handovers: How many programs went to another engine.
         equilibrium: Verdict, margin and certificate of the stance.
+        torques: Joint torques of the forces [N m], None without a robot.
     """
 
     status: str
@@ -39,6 +41,12 @@ class ForceAnswer:
     engine: str
     handovers: int
     equilibrium: EquilibriumAnswer
+    torques: dict[str, float] | None = None
+
+    @property
+    def torque_limits(self) -> dict[str, tuple[float, float]] | None:
+        """Lower and upper joint torques that were asked for [N m]."""
+        return self.equilibrium.torque_limits
 
 
 def infeasible(equilibrium: EquilibriumAnswer) -> ForceAnswer:
@@ -89,4 +97,5 @@ def answer_of(
     """The answer behind scaled forces."""
     held = force_residuals(data, cone, x)
     residuals = {"balance": held.balance, "cone": held.cone, "gap": gap}
-    return ForceAnswer(status, objective, point_forces(data, x), residuals, engine, equilibrium.handovers + handovers, equilibrium)
+    torques = torques_by_name(data.torques, data.units, x) if data.torques.names else None
+    return ForceAnswer(status, objective, point_forces(data, x), residuals, engine, equilibrium.handovers + handovers, equilibrium, torques)

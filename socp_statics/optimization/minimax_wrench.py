@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from socp_statics.cones.choice import ConeChoice, cone_choice
-from socp_statics.contacts import Stance
 from socp_statics.contacts.numbers import scalar
+from socp_statics.contacts.stance import stance_of
 from socp_statics.engines.engine import Engine
 from socp_statics.engines.solution import SOLVED, Solution
 from socp_statics.exceptions import InputError
@@ -89,7 +90,7 @@ def measured(data: StaticsData, cone: ConeChoice, measure: str, level: str, leng
 
 
 def minimise_largest_wrench(
-    stance: Stance,
+    stance: Any,
     measure: str = "force",
     level: str = "point",
     *,
@@ -99,11 +100,12 @@ def minimise_largest_wrench(
     heading: float | None = None,
     form: str = "socp",
     engine: str = "auto",
+    torque_limits: bool | Mapping[str, Any] = False,
 ) -> ForceAnswer:
     """Balancing contact forces whose largest measure is least.
 
     Args:
-        stance: Contacts, centre of mass and loads.
+        stance: A Stance or a Posture.
         measure: "normal", the largest normal force [N]; "force", the largest force [N]; "tangential", the largest tangential
             force [N]; "component", the largest absolute component of the wrench in the contact frame [N], moments divided by
             ``length``; "friction_use", the least s with |f_t| <= s mu f_n wherever mu > 0 [1].
@@ -114,6 +116,7 @@ def minimise_largest_wrench(
         heading: Heading of the pyramids [rad].
         form: "socp" or "sdp".
         engine: "auto" or the name of an engine.
+        torque_limits: Whether forces have to respect joint-torque limits: the robot's own, or a mapping of limits.
 
     Returns:
         The forces; status "unbounded" where the infimum is not attained because forces grow without end.
@@ -127,6 +130,7 @@ def minimise_largest_wrench(
             raise InputError(f"{field} must be one of {', '.join(known)}, got {word!r}", name=field, field=field)
     length = scalar("minimax_wrench", "length", length, above=0.0, kind="model")
     choice = cone_choice(cone, sides, heading)
+    stance = stance_of(stance, torque_limits=torque_limits)
     equilibrium = check_equilibrium(stance, cone=choice, form=form, engine=engine)
     if equilibrium.verdict == "unstable":
         return infeasible(equilibrium)
@@ -169,7 +173,7 @@ class _Question:
     def nothing_to_measure(self) -> ForceAnswer:
         """No contact has what the measure looks at: any balancing forces will do."""
         e = self.equilibrium
-        return ForceAnswer("solved", 0.0, e.forces, e.residuals, e.engine, e.handovers, e)
+        return ForceAnswer("solved", 0.0, e.forces, e.residuals, e.engine, e.handovers, e, e.torques)
 
     def minimax(self) -> ForceAnswer:
         """The measures that are convex in forces and level together."""

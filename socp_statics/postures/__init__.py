@@ -9,7 +9,7 @@ for _name, _line in (
     ("joint_angles", "joint angles as they are given, any robot (angles)"),
     ("standing", "upright with straight legs (arms)"),
     ("squat", "both knees bent, hips and ankles at minus half of it (knee, arms)"),
-    ("single_stance", "on one foot (knee, lift, arms)"),
+    ("single_stance", "on one foot, leaning over it (knee, lean, lift, arms)"),
     ("rolled_feet", "legs apart by hip roll, feet flat (angle, arms)"),
 ):
     GENERATORS.add(_name, _line, f"socp_statics.postures.{_name}:generate")

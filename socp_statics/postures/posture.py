@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from socp_statics.contacts import ContactSet, ExternalWrench, Stance
 from socp_statics.contacts.numbers import vector
-from socp_statics.contacts.stance import GRAVITY_W
+from socp_statics.contacts.stance import GRAVITY_W, as_external_wrench
 from socp_statics.exceptions import InputError
 from socp_statics.postures.torque_limits import resolve_torque_limits
 from socp_statics.robots import Robot
@@ -130,7 +130,7 @@ class Posture:
         Raises:
             InputError: A wrench names an unknown link, or the torque limits are wrong.
         """
-        wrenches = tuple(w if isinstance(w, ExternalWrench) else ExternalWrench(**w) for w in external_wrenches)
+        wrenches = tuple(as_external_wrench(w) for w in external_wrenches)
         for wrench in wrenches:
             if wrench.link is not None:
                 self.robot.frame_id(wrench.link)

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from numpy.typing import ArrayLike
 
 from socp_statics.exceptions import InputError
-from socp_statics.postures.joint_roles import SIDES, arm_angles
+from socp_statics.postures.joint_roles import SIDES, arm_angles, joint_roles
 from socp_statics.postures.level_ground import on_level_ground
 from socp_statics.postures.posture import Posture, pose
 from socp_statics.postures.squat import bent_leg
@@ -21,10 +21,11 @@ def generate(
     at: ArrayLike = (0.0, 0.0, 0.0),
     friction: float | Mapping[str, float] = 0.5,
     knee: float = 0.0,
-    lift: float = 0.0,
+    lean: float = 0.2,
+    lift: float = 0.8,
     arms: str = "down",
 ) -> Posture:
-    """On one foot.
+    """On one foot, leaning over it, the free foot lifted.
 
     Args:
         robot: A robot whose joint roles are known.
@@ -32,11 +33,12 @@ def generate(
         at: Position of its contact, shape (3,) [m].
         friction: Coulomb coefficient.
         knee: Knee angle of both legs, hip and ankle at minus half of it [rad].
+        lean: Roll of the supporting leg towards its own side, at the ankle, undone at the hip: 0.2 brings HOAP-2 over its foot [rad].
         lift: Further knee angle of the free leg [rad].
         arms: "down" or "forward".
 
     Returns:
-        The posture; the load on the foot has to pass through its sole for it to be stable.
+        The posture. Without lean the centre of mass stays between the feet and the robot tips.
 
     Raises:
         InputError: Not exactly one foot, or as `pose`.
@@ -46,7 +48,10 @@ def generate(
     if len(names) != 1 or names[0] not in feet:
         message = f"single_stance: support must be one of {', '.join(feet)}, got {list(names)}"
         raise InputError(message, name="single_stance", field="support")
-    angles = arm_angles(robot, arms)
+    angles, roles = arm_angles(robot, arms), joint_roles(robot)
     for foot, side in feet.items():
-        angles |= bent_leg(robot, side, knee if foot == names[0] else knee + lift)
+        supports, outward = foot == names[0], 1.0 if side == "left" else -1.0
+        angles |= bent_leg(robot, side, knee if supports else knee + lift)
+        if supports:
+            angles |= {roles[f"{side}_hip_roll"]: -outward * lean, roles[f"{side}_ankle_roll"]: outward * lean}
     return on_level_ground(pose(robot, angles, names, friction, at), "single_stance")

@@ -53,6 +53,11 @@ class SupportRegion:
     _shift: Array | float = field(default=0.0, repr=False)
 
     @property
+    def frozen(self) -> bool:
+        """Whether joint-torque limits count, for the posture as it is while the centre of mass moves."""
+        return self._data.torques.limited
+
+    @property
     def inner_area(self) -> float:
         """Area of the inner polygon, 0 unless it is one [m^2]."""
         return max(polygon.area(self.inner), 0.0) if self.kind in ("polygon", "unbounded") else 0.0
@@ -121,7 +126,7 @@ class SupportRegion:
         """The record's entry."""
         forces, multipliers = self.inner_forces, self.outer_multipliers
         acting = list(zip(forces[0].contact, forces[0].point_W.tolist(), strict=True)) if forces else []
-        return {
+        return ({"posture": "frozen"} if self.frozen else {}) | {
             "kind": self.kind,
             "inner": self.inner.tolist(),
             "outer": self.outer.tolist(),

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from socp_statics.cones.choice import ConeChoice, cone_choice
-from socp_statics.contacts import Contact, ContactSet, ExternalWrench, Stance
+from socp_statics.contacts import ExternalWrench, Stance
 from socp_statics.contacts.stance import stance_of
 from socp_statics.engines import engines_for
 from socp_statics.engines.engine import Engine
@@ -35,7 +35,7 @@ BOUNDARY = 1e-7
 
 
 def trace_support_region(
-    contacts: Stance | ContactSet | Iterable[Contact],
+    contacts: Any,
     tolerance: float = 1e-3,
     *,
     height: float = 0.0,
@@ -47,11 +47,12 @@ def trace_support_region(
     engine: str = "auto",
     gravity: Any = None,
     external_wrenches: Iterable[ExternalWrench | dict[str, Any]] = (),
+    torque_limits: bool | Mapping[str, Any] = False,
 ) -> SupportRegion:
     """The horizontal CoM positions in balance (Bretl and Lall 2008, with exact cones).
 
     Args:
-        contacts: Contacts, or a Stance, which brings height, mass, gravity and external wrenches and gets its CoM margin.
+        contacts: Contacts; a Stance, which brings height, mass, gravity and external wrenches and gets its CoM margin; or a Posture.
         tolerance: Of (outer area - inner area) / outer area, between 0 and 1.
         height: Height of the centre of mass; matters only where gravity is not vertical [m].
         mass: Mass [kg]; may be left out where no bound, limit or external wrench makes it matter.
@@ -62,6 +63,8 @@ def trace_support_region(
         engine: "auto" or the name of an engine.
         gravity: Acceleration of gravity in world axes, shape (3,) [m/s^2].
         external_wrenches: Wrenches impressed on the robot; they stay where they are.
+        torque_limits: Whether forces have to respect joint-torque limits: the robot's own, or a mapping of limits. The posture is
+            frozen: gravity torques and Jacobians stay those of the posture while the centre of mass moves.
 
     Returns:
         The region.
@@ -70,9 +73,9 @@ def trace_support_region(
         InputError: A number, name or choice is wrong; gravity is zero or horizontal.
         EngineError: No engine settled the region.
     """
-    with_com = isinstance(contacts, Stance)
+    with_com = isinstance(contacts, Stance) or hasattr(contacts, "com_jacobian")
     com = None if with_com else (0.0, 0.0, height)
-    stance = stance_of(contacts, com, mass, gravity, external_wrenches)
+    stance = stance_of(contacts, com, mass, gravity, external_wrenches, torque_limits)
     choice = cone_choice(cone, sides, heading)
     if not 0.0 < tolerance < 1.0:
         raise InputError(f"tolerance must be between 0 and 1, got {tolerance!r}", name="tolerance", field="tolerance")

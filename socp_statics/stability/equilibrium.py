@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from socp_statics.certificates import ForcesCertificate, MotionCertificate, force_residuals, motion_certificate
+from socp_statics.certificates import ForcesCertificate, Motion, MotionCertificate, force_residuals, motion_certificate
 from socp_statics.certificates.contact_motion import contact_motion
 from socp_statics.cones.choice import ConeChoice, cone_choice
-from socp_statics.contacts import Contact, ContactSet, ExternalWrench, Stance
+from socp_statics.contacts import ContactSet, ExternalWrench, Stance
 from socp_statics.contacts.stance import stance_of
 from socp_statics.spatial import Array
 from socp_statics.stability.idle import idle_contacts
 from socp_statics.stability.margin import BOUNDARY, Margin, normal_force_margin
 from socp_statics.statics import PointForces, StaticsData, assemble, point_forces
+from socp_statics.statics.joint_torques import limits_by_name, torques_by_name
 from socp_statics.statics.wrench_range import INSIDE
 
 
@@ -26,7 +27,7 @@ class EquilibriumAnswer:
 
     Attributes:
         verdict: "stable", "unstable" or "undecided"; weak stability.
-        reason: None, "boundary" or "rank".
+        reason: None, "boundary", "rank", or "torque" where a posture is unstable only because of its torque limits.
         margin: Normal-force reserve [N]; inf, -inf, or nan where the rank leaves it open.
         idle: Contacts that cannot be loaded, wherever the centre of mass (asked only at the boundary).
         idle_margin: Reserve of the other contacts where some are idle [N], else None.
@@ -37,6 +38,8 @@ class EquilibriumAnswer:
         engine: Name of the engine that answered.
         handovers: How many programs went to another engine.
         cone: Exact cones or pyramids.
+        torques: Joint torques of the forces [N m], where there are forces and a robot.
+        torque_limits: Lower and upper joint torques that were respected [N m], where they were asked for.
     """
 
     verdict: str
@@ -51,6 +54,8 @@ class EquilibriumAnswer:
     engine: str
     handovers: int
     cone: ConeChoice
+    torques: dict[str, float] | None = None
+    torque_limits: dict[str, tuple[float, float]] | None = None
 
     @property
     def stable(self) -> bool:
@@ -59,7 +64,7 @@ class EquilibriumAnswer:
 
 
 def check_equilibrium(
-    contacts: Stance | ContactSet | Iterable[Contact],
+    contacts: Any,
     com: Any = None,
     mass: float | None = None,
     *,
@@ -70,11 +75,12 @@ def check_equilibrium(
     engine: str = "auto",
     gravity: Any = None,
     external_wrenches: Iterable[ExternalWrench | dict[str, Any]] = (),
+    torque_limits: bool | Mapping[str, Any] = False,
 ) -> EquilibriumAnswer:
     """Verdict, margin and certificate of a stance.
 
     Args:
-        contacts: Contacts, or a Stance, which brings everything else.
+        contacts: Contacts; a Stance, which brings everything else; or a Posture, which brings centre of mass and mass.
         com: Centre of mass in world axes, shape (3,) [m].
         mass: Mass [kg]; may be left out where only its sign matters, the margin is then per kilogram.
         cone: "exact", "inscribed" or "circumscribed", or a ConeChoice.
@@ -84,6 +90,7 @@ def check_equilibrium(
         engine: "auto" or the name of an engine.
         gravity: Acceleration of gravity in world axes, shape (3,) [m/s^2].
         external_wrenches: Wrenches impressed on the robot.
+        torque_limits: Whether forces have to respect joint-torque limits: the robot's own, or a mapping of limits.
 
     Returns:
         The answer.
@@ -92,8 +99,17 @@ def check_equilibrium(
         InputError: A number, name or choice is wrong.
         EngineError: No engine settled the program.
     """
-    stance = stance_of(contacts, com, mass, gravity, external_wrenches)
+    stance = stance_of(contacts, com, mass, gravity, external_wrenches, torque_limits)
     choice = cone_choice(cone, sides, heading)
+    answer = _checked(stance, choice, form, engine)
+    if answer.verdict == "unstable" and stance.torque_limits is not None:
+        unlimited = _checked(replace(stance, torque_limits=None), choice, form, engine)
+        if unlimited.verdict == "stable":
+            return _with(answer, reason="torque", handovers=answer.handovers + unlimited.handovers)
+    return answer
+
+
+def _checked(stance: Stance, choice: ConeChoice, form: str, engine: str) -> EquilibriumAnswer:
     data = assemble(stance)
     margin = normal_force_margin(data, choice, form, engine)
     if np.isnan(margin.value):
@@ -119,9 +135,16 @@ def _answer(data: StaticsData, cone: ConeChoice, margin: Margin, verdict: str, r
         certificate = margin.certificate
     status = "unbounded" if margin.value == np.inf else "infeasible" if margin.value == -np.inf else "solved"
     value = margin.value * W if np.isfinite(margin.value) else margin.value
+    torques = None if forces is None or margin.x is None else joint_torques_of(data, margin.x)
+    limits = limits_by_name(data.torques, data.units) if data.torques.limited else None
     return EquilibriumAnswer(
-        verdict, reason, value, (), None, forces, certificate, status, residuals, margin.engine, margin.handovers, cone
+        verdict, reason, value, (), None, forces, certificate, status, residuals, margin.engine, margin.handovers, cone, torques, limits
     )  # fmt: skip
+
+
+def joint_torques_of(data: StaticsData, x: Array) -> dict[str, float] | None:
+    """Joint torques of scaled forces [N m], None without a robot."""
+    return torques_by_name(data.torques, data.units, x) if data.torques.names else None
 
 
 def _at_the_boundary(
@@ -135,23 +158,27 @@ def _at_the_boundary(
         return undecided
     if not rest:
         return _without_contacts(stance, data, undecided, idle.names)
-    others = Stance(ContactSet(rest), stance.com, stance.mass, stance.gravity, stance.external_wrenches)
+    others = replace(stance, contacts=ContactSet(rest))
     part = assemble(others)
     reserve = normal_force_margin(part, cone, form, engine)
     scale = part.units.force / data.units.force
     value = reserve.value * part.units.force
-    found = {"idle": idle.names, "idle_margin": None if np.isnan(value) else value, "handovers": margin.handovers + reserve.handovers}
+    handovers = margin.handovers + reserve.handovers
+    found: dict[str, Any] = {"idle": idle.names, "idle_margin": None if np.isnan(value) else value, "handovers": handovers}
     if reserve.value * scale >= BOUNDARY and reserve.x is not None:
         held = force_residuals(part, cone, reserve.x)
         forces = _with_idle_zero(stance, point_forces(part, reserve.x))
         residuals = {"balance": held.balance * scale, "cone": held.cone * scale, "gap": reserve.gap}
-        return _with(undecided, verdict="stable", reason=None, forces=forces, certificate=ForcesCertificate(), residuals=residuals, **found)
-    if reserve.value * scale <= -BOUNDARY and reserve.twist is not None:
-        twist = _moved_to(data, part, reserve.twist)
-        certificate = motion_certificate(data, cone, twist + _opening(data, cone, twist, idle.names) * idle.twist)
+        found |= {"forces": forces, "torques": joint_torques_of(part, reserve.x), "residuals": residuals}
+        return _with(undecided, verdict="stable", reason=None, certificate=ForcesCertificate(), **found)
+    if reserve.value * scale <= -BOUNDARY and reserve.motion is not None:
+        motion = _moved_to(data, part, reserve.motion)
+        share = _opening(data, cone, motion, idle.names)
+        both = Motion(motion.twist + share * idle.motion.twist, motion.joints + share * idle.motion.joints)
+        certificate = motion_certificate(data, cone, both)
         if certificate is not None:
-            none = {"balance": 0.0, "cone": 0.0, "gap": reserve.gap}
-            return _with(undecided, verdict="unstable", reason=None, forces=None, certificate=certificate, residuals=none, **found)
+            found |= {"forces": None, "torques": None, "residuals": {"balance": 0.0, "cone": 0.0, "gap": reserve.gap}}
+            return _with(undecided, verdict="unstable", reason=None, certificate=certificate, **found)
     return _with(undecided, **found)
 
 
@@ -186,15 +213,16 @@ def _with_idle_zero(stance: Stance, forces: PointForces) -> PointForces:
     )
 
 
-def _moved_to(data: StaticsData, part: StaticsData, twist: Array) -> Array:
-    """A scaled twist of a part of the stance in the units and about the origin of the whole."""
-    linear, angular = part.units.twist_in_si(twist)
+def _moved_to(data: StaticsData, part: StaticsData, motion: Motion) -> Motion:
+    """A motion of a part of the stance in the units and about the origin of the whole."""
+    linear, angular = part.units.twist_in_si(motion.twist)
     linear = linear + np.cross(angular, data.units.origin - part.units.origin)
-    return np.concatenate([linear, angular * data.units.length])
+    length = data.units.length
+    return Motion(np.concatenate([linear, angular * length]), motion.joints * length / part.units.length)
 
 
-def _opening(data: StaticsData, cone: ConeChoice, twist: Array, idle: tuple[str, ...]) -> float:
-    """How much of the opening motion it takes to keep idle contacts from working against a twist; it opens them at >= 1."""
+def _opening(data: StaticsData, cone: ConeChoice, motion: Motion, idle: tuple[str, ...]) -> float:
+    """How much of the opening motion it takes to keep idle contacts from working against a motion; it opens them at >= 1."""
     mine = np.isin(data.contact_of_point, [data.names.index(name) for name in idle])
-    worst = float(-contact_motion(data, cone, twist).grip[mine].min(initial=0.0))
+    worst = float(-contact_motion(data, cone, motion).grip[mine].min(initial=0.0))
     return max(worst, 0.0)

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from socp_statics.certificates import Motion, motion_of
 from socp_statics.cones.choice import ConeChoice
 from socp_statics.engines import engines_for
 from socp_statics.engines.solution import SOLVED
@@ -21,10 +22,10 @@ LOADED = 1e-6
 
 
 class IdleContacts(NamedTuple):
-    """Names of the contacts that cannot be loaded, and a scaled twist that opens all of them without work of the load."""
+    """Names of the contacts that cannot be loaded, and a motion that opens all of them without work of the load."""
 
     names: tuple[str, ...]
-    twist: Array
+    motion: Motion
 
 
 def idle_contacts(data: StaticsData, cone: ConeChoice, form: str, engine: str, x: Array | None) -> IdleContacts:
@@ -44,9 +45,10 @@ def idle_contacts(data: StaticsData, cone: ConeChoice, form: str, engine: str, x
         EngineError: No engine settled a program.
     """
     reach = wrench_range(np.hstack([data.wrench_map, data.com_load]))
-    twist = np.zeros(6)
+    still = Motion(np.zeros(6), np.zeros(len(data.torques.names)))
+    opening = still
     if reach.outside(data.load) > INSIDE:
-        return IdleContacts((), twist)
+        return IdleContacts((), still)
     shape = RegionShape(force_shape(data, cone, form, reach.rank), 2, False)
     values = force_values(data, cone, reach.basis) | {"D": reach.basis.T @ data.com_load, "cap": np.array(1.0)}
     names: list[str] = []
@@ -62,8 +64,9 @@ def idle_contacts(data: StaticsData, cone: ConeChoice, form: str, engine: str, x
         else:
             raise EngineError(f"contact '{data.names[k]}': whether it can be loaded was not settled", name=data.names[k])
         if solution.status != SOLVED:
-            return IdleContacts((), twist)
+            return IdleContacts((), still)
         if solution.objective <= LOADED:
             names.append(data.names[k])
-            twist = twist + reach.basis @ solution.duals["balance"]
-    return IdleContacts(tuple(names), twist)
+            found = motion_of(data, reach.basis @ solution.duals["balance"], solution.duals.get("limits"))
+            opening = Motion(opening.twist + found.twist, opening.joints + found.joints)
+    return IdleContacts(tuple(names), opening)

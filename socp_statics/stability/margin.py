@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from socp_statics.certificates import MotionCertificate, force_residuals, motion_certificate
+from socp_statics.certificates import Motion, MotionCertificate, force_residuals, motion_certificate, motion_of
 from socp_statics.cones.choice import ConeChoice
 from socp_statics.engines import engines_for
 from socp_statics.engines.engine import Engine
@@ -31,7 +31,7 @@ class Margin:
         value: The margin; inf, -inf, or nan where the load is out of reach by too little to tell.
         x: Scaled forces that attain it (or exceed the boundary, where it is infinite), or None.
         certificate: The motion behind a negative margin, or None.
-        twist: Multipliers of the balance, shape (6,), or None.
+        motion: Motion of the multipliers, or None.
         gap: Difference of primal and dual objective, relative.
         engine: Name of the engine that answered.
         handovers: How many engines did not settle before.
@@ -40,7 +40,7 @@ class Margin:
     value: float
     x: Array | None
     certificate: MotionCertificate | None
-    twist: Array | None
+    motion: Motion | None
     gap: float
     engine: str
     handovers: int
@@ -66,9 +66,8 @@ def normal_force_margin(data: StaticsData, cone: ConeChoice, form: str, engine: 
     engines = engines_for(engine)
     outside = reach.outside(data.load)
     if outside > OUTSIDE:
-        twist = reach.null @ (reach.null.T @ data.load)
-        certificate = motion_certificate(data, cone, twist / np.linalg.norm(twist))
-        return Margin(-np.inf, None, certificate, twist, 0.0, engines[0].name, 0)
+        motion = motion_of(data, reach.null @ (reach.null.T @ data.load))
+        return Margin(-np.inf, None, motion_certificate(data, cone, motion), motion, 0.0, engines[0].name, 0)
     if outside > INSIDE:
         return Margin(np.nan, None, None, None, 0.0, engines[0].name, 0)
     for handovers, one in enumerate(engines):
@@ -86,11 +85,11 @@ def _settled(data: StaticsData, cone: ConeChoice, form: str, engine: Engine, rea
     for cap in CAPS:
         solution = compiled.solve({**values, "cap": cap})
         if solution.status == INFEASIBLE:
-            certificate, twist = None, solution.duals.get("balance")
-            if twist is not None:
-                twist = reach.basis @ twist
-                certificate = motion_certificate(data, cone, twist)
-            return None if certificate is None else Margin(-np.inf, None, certificate, twist, 0.0, engine.name, 0)
+            if "balance" not in solution.duals:
+                return None
+            motion = motion_of(data, reach.basis @ solution.duals["balance"], solution.duals.get("limits"))
+            certificate = motion_certificate(data, cone, motion)
+            return None if certificate is None else Margin(-np.inf, None, certificate, motion, 0.0, engine.name, 0)
         if solution.status != SOLVED:
             continue
         x, (t,) = solution.variables["x"], solution.variable("t")
@@ -111,16 +110,16 @@ def _finite(
     gap = solution.residuals.gap
     if gap > FORCE_TOLERANCE:
         return None
-    twist = reach.basis @ solution.duals["balance"]
+    motion = motion_of(data, reach.basis @ solution.duals["balance"], solution.duals.get("limits"))
     if t <= -BOUNDARY:
-        certificate = motion_certificate(data, cone, twist)
-        return None if certificate is None else Margin(t, None, certificate, twist, gap, engine.name, 0)
+        certificate = motion_certificate(data, cone, motion)
+        return None if certificate is None else Margin(t, None, certificate, motion, gap, engine.name, 0)
     held = force_residuals(data, cone, x)
     # Where t is negative within the boundary, the forces leave their cones by t times slopes and numbers of points.
     lacking = max(-t, 0.0) * (1.0 + data.friction.max(initial=0.0)) * max(data.points, 1)
     if held.balance > FORCE_TOLERANCE or held.cone > FORCE_TOLERANCE + lacking:
         return None
-    return Margin(t, x, None, twist, gap, engine.name, 0)
+    return Margin(t, x, None, motion, gap, engine.name, 0)
 
 
 def balanced(data: StaticsData, x: Array) -> Array:

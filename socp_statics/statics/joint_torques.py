@@ -19,15 +19,26 @@ class JointTorques(NamedTuple):
         map: Torque that the unknown forces produce, shape (n, nx).
         passive: Torque without contact forces: gravity less external wrenches, shape (n,).
         limits: Lower and upper torques, infinite where there is none, shape (n, 2).
+        jacobian: Velocity of each contact frame due to joint rates, ``[linear; angular]``, shape (contacts, 6, n).
     """
 
     names: tuple[str, ...]
     map: Array
     passive: Array
     limits: Array
+    jacobian: Array
+
+    @property
+    def limited(self) -> bool:
+        """Whether any joint torque is limited."""
+        return bool(np.isfinite(self.limits).any())
+
+    def of(self, x: Array) -> Array:
+        """Scaled joint torques of scaled forces, shape (n,)."""
+        return self.passive - self.map @ x
 
 
-NONE = JointTorques((), np.zeros((0, 0)), np.zeros(0), np.zeros((0, 2)))
+NONE = JointTorques((), np.zeros((0, 0)), np.zeros(0), np.zeros((0, 2)), np.zeros((0, 6, 0)))
 
 
 def gravity_torque(com_jacobian: Array, mass: float, gravity: Array) -> Array:
@@ -108,7 +119,7 @@ def joint_torques(stance: Stance, units: Units, wrench_map: Array, contact_of_co
     """
     posture = stance.posture
     if posture is None:
-        return JointTorques((), np.zeros((0, wrench_map.shape[1])), np.zeros(0), np.zeros((0, 2)))
+        return NONE
     arm = position[contact_of_column].T
     local = wrench_map.copy()
     local[3:] -= np.cross(arm, wrench_map[:3], axis=0)
@@ -120,7 +131,7 @@ def joint_torques(stance: Stance, units: Units, wrench_map: Array, contact_of_co
         produced[:, mine] = J[k].T @ local[:, mine]
     scale = units.force * units.length
     limits = stance.torque_limits if stance.torque_limits is not None else np.tile([-np.inf, np.inf], (J.shape[2], 1))
-    return JointTorques(posture.robot.joints, produced, passive_torque(stance) / scale, limits / scale)
+    return JointTorques(posture.robot.joints, produced, passive_torque(stance) / scale, limits / scale, J)
 
 
 def limit_rows(torques: JointTorques) -> tuple[Array, Array, tuple[str, ...]]:
@@ -134,3 +145,31 @@ def limit_rows(torques: JointTorques) -> tuple[Array, Array, tuple[str, ...]]:
     rows = np.vstack([-torques.map[above], torques.map[below]])
     values = np.concatenate([upper[above] - torques.passive[above], torques.passive[below] - lower[below]])
     return rows, values, tuple(torques.names[k] for k in (*above, *below))
+
+
+def joint_rates(torques: JointTorques, multipliers: Array) -> Array:
+    """Joint rates of a motion from the multipliers of the torque rows: a joint moves against the limit that holds it back.
+
+    Args:
+        torques: The torques.
+        multipliers: Of the rows of `limit_rows`, >= 0.
+
+    Returns:
+        Scaled rates, shape (n,); zero where a joint has no limit.
+    """
+    above, below = np.isfinite(torques.limits[:, 1]), np.isfinite(torques.limits[:, 0])
+    rates = np.zeros(len(torques.names))
+    rates[above] -= multipliers[: above.sum()]
+    rates[below] += multipliers[above.sum() :]
+    return rates
+
+
+def torques_by_name(torques: JointTorques, units: Units, x: Array) -> dict[str, float]:
+    """Joint torques of scaled forces by joint [N m]."""
+    return dict(zip(torques.names, (units.force * units.length * torques.of(x)).tolist(), strict=True))
+
+
+def limits_by_name(torques: JointTorques, units: Units) -> dict[str, tuple[float, float]]:
+    """Torque limits by joint [N m]."""
+    ends = units.force * units.length * torques.limits
+    return {name: (float(lower), float(upper)) for name, (lower, upper) in zip(torques.names, ends, strict=True)}
