@@ -24,7 +24,9 @@ from socp_statics.models import MODELS
 from socp_statics.models.contact_forces import ContactForcesShape
 from socp_statics.models.contact_forces_set import force_shape, force_values
 from socp_statics.models.minimax_wrench import MinimaxShape
+from socp_statics.models.orin_oh import OrinOhShape
 from socp_statics.models.support_region import RegionShape
+from socp_statics.models.torque_feasibility import TorqueShape
 from socp_statics.optimization.force_rows import force_rows, groups
 from socp_statics.optimization.minimax_wrench import MEASURES, measured
 from socp_statics.statics import assemble, wrench_range
@@ -163,6 +165,25 @@ def _reserve(data, reach, shape, values):
     return {"": (RegionShape(shape, 2, False), values | {"D": reach.basis.T @ data.com_load, "cap": 1.0})}
 
 
+def _joint_rows(columns):
+    """Rows like those of two joints: smooth, and different for every unknown."""
+    return np.sin(np.arange(1, columns + 1)[None] * np.array([[0.7], [1.3]])) / 3
+
+
+def _torques(data, reach, shape, values):
+    more = {"U": _joint_rows(shape.columns), "u": np.array([0.4, 0.7]), "v": np.array([0.05, -0.1])}
+    return {"": (TorqueShape(shape, 2), values | more)}
+
+
+def _orin_oh(data, reach, shape, values):
+    more = {"P": _joint_rows(shape.columns), "p0": np.array([0.1, -0.2]), "b": 0.5}
+    return {"joints": (OrinOhShape(shape, 2), values | more), "no joints": (OrinOhShape(shape, 0), values | more)}
+
+
+def _hard_rows(data, reach, shape, values):
+    return {"": (shape, values)}
+
+
 def _margin(data, reach, shape, values):
     return {"": (shape, values | {"cap": 1.0})}
 
@@ -174,6 +195,9 @@ BUILDERS = {
     "support_region": _region,
     "contact_load": _load,
     "largest_reserve": _reserve,
+    "hard_rows": _hard_rows,
+    "torque_feasibility": _torques,
+    "orin_oh": _orin_oh,
 }
 
 
@@ -191,6 +215,7 @@ VARIANTS = {
     "contact_forces": ("least_squares", "normal_force", "reference"),
     "minimax_wrench": MEASURES,
     "support_region": ("clipped", "open"),
+    "orin_oh": ("joints", "no joints"),
 }
 
 

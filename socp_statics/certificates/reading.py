@@ -9,6 +9,7 @@ from socp_statics.spatial import Array
 from socp_statics.statics.statics_data import StaticsData
 
 REST = 1e-6
+STILL = 1e-6
 GENTLE = 1e-3
 MOST_JOINTS = 3
 AXES = {"+x": (1, 0, 0), "-x": (-1, 0, 0), "+y": (0, 1, 0), "-y": (0, -1, 0), "+z": (0, 0, 1), "-z": (0, 0, -1)}
@@ -24,9 +25,14 @@ def direction_words(v: Array) -> str:
     return "(" + ", ".join(f"{0.0 if abs(c) < 0.005 else c:.2f}" for c in unit) + ")"
 
 
+def _speed(motion: ContactMotion) -> float:
+    """Speed against which contact velocities are judged: that of the fastest point, unless all are at rest but for rounding."""
+    return max(float(np.abs(motion.velocity).max(initial=0.0)), STILL)
+
+
 def point_states(motion: ContactMotion) -> list[str]:
     """What each contact point does: "holds", "slides" or "opens"."""
-    scale = max(float(np.abs(motion.velocity).max(initial=0.0)), 1e-300)
+    scale = _speed(motion)
     states = []
     for u, spin, grip in zip(motion.velocity / scale, motion.spin / scale, motion.grip / scale, strict=True):
         if np.linalg.norm(u) <= REST and spin <= REST:
@@ -41,8 +47,7 @@ def point_states(motion: ContactMotion) -> list[str]:
 def contact_states(data: StaticsData, motion: ContactMotion) -> dict[str, str]:
     """What each contact does: it holds while one of its points holds, else slides while one slides, else opens."""
     points = point_states(motion)
-    moving = float(np.abs(motion.handle).max(initial=0.0))
-    scale = max(float(np.abs(motion.velocity).max(initial=0.0)), moving, 1e-300)
+    scale = max(_speed(motion), float(np.abs(motion.handle).max(initial=0.0)))
     out = {}
     for k, name in enumerate(data.names):
         mine = {points[i] for i in np.flatnonzero(data.contact_of_point == k)}
@@ -84,7 +89,7 @@ def _pivots(data: StaticsData, states: list[str]) -> dict[str, str]:
 
 def _yielding(data: StaticsData, motion: ContactMotion) -> list[str]:
     """Contacts that are pushed in against the upper bound of their normal force."""
-    scale = max(float(np.abs(motion.velocity).max(initial=0.0)), 1e-300)
+    scale = _speed(motion)
     pushed = motion.grip < -REST * scale
     return [data.names[k] for k in data.bounded if pushed[data.contact_of_point == k].any()]
 

@@ -189,7 +189,7 @@ def admissible(forces: Forces, reserve: cp.Expression | float = 0.0) -> dict[str
     Returns:
         Constraints by name.
     """
-    return {**_cones(forces, reserve), **_bounds(forces, reserve), **_limits(forces)}
+    return {**_cones(forces, reserve), **_bounds(forces, reserve), **hard_rows(forces)}
 
 
 def _cones(forces: Forces, reserve: cp.Expression | float) -> dict[str, cp.Constraint]:
@@ -253,13 +253,16 @@ def _bounds(forces: Forces, reserve: cp.Expression | float) -> dict[str, cp.Cons
         out["lower_bound"] = cp.Parameter((s.lower, s.points), name="S_lower") @ f_n >= cp.Parameter(s.lower, name="lo") + reserve
     if s.upper:
         out["upper_bound"] = cp.Parameter((s.upper, s.points), name="S_upper") @ f_n <= cp.Parameter(s.upper, name="hi") - reserve
-    if s.equal:
-        out["equal_bound"] = cp.Parameter((s.equal, s.points), name="S_equal") @ f_n == cp.Parameter(s.equal, name="equal")
     return out
 
 
-def _limits(forces: Forces) -> dict[str, cp.Constraint]:
+def hard_rows(forces: Forces, relaxation: cp.Expression | float = 0.0) -> dict[str, cp.Constraint]:
+    """The rows that no reserve shifts: equal bounds, and limits ``H x <= d`` relaxed by a scalar or 0."""
     s = forces.shape
-    if not s.limits:
-        return {}
-    return {"limits": cp.Parameter((s.limits, s.columns), name="H") @ forces.x <= cp.Parameter(s.limits, name="limit")}
+    out: dict[str, cp.Constraint] = {}
+    if s.equal:
+        out["equal_bound"] = cp.Parameter((s.equal, s.points), name="S_equal") @ forces.f_n == cp.Parameter(s.equal, name="equal")
+    if s.limits:
+        limit = cp.Parameter(s.limits, name="limit")
+        out["limits"] = cp.Parameter((s.limits, s.columns), name="H") @ forces.x <= limit + relaxation
+    return out

@@ -34,7 +34,7 @@ def generate(
         friction: Coulomb coefficient.
         knee: Knee angle of both legs, hip and ankle at minus half of it [rad].
         lean: Roll of the supporting leg towards its own side, at the ankle, undone at the hip: 0.2 brings HOAP-2 over its foot [rad].
-        lift: Further knee angle of the free leg [rad].
+        lift: Further knee angle of the free leg, half of it at its hip [rad].
         arms: "down" or "forward".
 
     Returns:
@@ -51,7 +51,9 @@ def generate(
     angles, roles = arm_angles(robot, arms), joint_roles(robot)
     for foot, side in feet.items():
         supports, outward = foot == names[0], 1.0 if side == "left" else -1.0
-        angles |= bent_leg(robot, side, knee if supports else knee + lift)
-        if supports:
+        angles |= bent_leg(robot, side, knee)
+        if not supports:
+            angles |= {roles[f"{side}_hip_pitch"]: -(knee + lift) / 2, roles[f"{side}_knee_pitch"]: knee + lift}
+        else:
             angles |= {roles[f"{side}_hip_roll"]: -outward * lean, roles[f"{side}_ankle_roll"]: outward * lean}
     return on_level_ground(pose(robot, angles, names, friction, at), "single_stance")

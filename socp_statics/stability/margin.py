@@ -10,10 +10,11 @@ from socp_statics.certificates import Motion, MotionCertificate, force_residuals
 from socp_statics.cones.choice import ConeChoice
 from socp_statics.engines import engines_for
 from socp_statics.engines.engine import Engine
-from socp_statics.engines.solution import INFEASIBLE, SOLVED, Solution
+from socp_statics.engines.solution import SOLVED, Solution
 from socp_statics.exceptions import EngineError
 from socp_statics.models.contact_forces_set import force_shape, force_values
 from socp_statics.models.equilibrium import MODEL
+from socp_statics.models.hard_rows import MODEL as HARD_ROWS
 from socp_statics.spatial import Array
 from socp_statics.statics.statics_data import StaticsData
 from socp_statics.statics.wrench_range import INSIDE, OUTSIDE, WrenchRange, wrench_range
@@ -84,13 +85,10 @@ def _settled(data: StaticsData, cone: ConeChoice, form: str, engine: Engine, rea
     held: tuple[Array, float] | None = None
     for cap in CAPS:
         solution = compiled.solve({**values, "cap": cap})
-        if solution.status == INFEASIBLE:
-            if "balance" not in solution.duals:
-                return None
-            motion = motion_of(data, reach.basis @ solution.duals["balance"], solution.duals.get("limits"))
-            certificate = motion_certificate(data, cone, motion)
-            return None if certificate is None else Margin(-np.inf, None, certificate, motion, 0.0, engine.name, 0)
         if solution.status != SOLVED:
+            blocked = _blocked(data, cone, form, engine, reach)
+            if blocked is not None:
+                return blocked
             continue
         x, (t,) = solution.variables["x"], solution.variable("t")
         if t < cap * (1 - 1e-6):
@@ -101,6 +99,17 @@ def _settled(data: StaticsData, cone: ConeChoice, form: str, engine: Engine, rea
         if held is not None and _internal_force_inside(data, cone, form, engine, reach):
             return Margin(np.inf, held[0], None, None, held[1], engine.name, 0)
     return None
+
+
+def _blocked(data: StaticsData, cone: ConeChoice, form: str, engine: Engine, reach: WrenchRange) -> Margin | None:
+    """The margin -inf where balance and hard rows cannot be met for any reserve, with the motion that shows it."""
+    compiled = engine.compile(HARD_ROWS, force_shape(data, cone, form, reach.rank))
+    solution = compiled.solve(force_values(data, cone, reach.basis))
+    if solution.status != SOLVED or solution.objective <= 0.0:
+        return None
+    motion = motion_of(data, reach.basis @ solution.duals["balance"], solution.duals.get("limits"))
+    certificate = motion_certificate(data, cone, motion)
+    return None if certificate is None else Margin(-np.inf, None, certificate, motion, solution.residuals.gap, engine.name, 0)
 
 
 def _finite(
