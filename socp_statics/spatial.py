@@ -29,6 +29,26 @@ def skew(r: ArrayLike) -> Array:
     return S
 
 
+def cross(a: Array, b: Array) -> Array:
+    """Cross products of vectors in the last axis, without the general machinery of ``numpy.cross``.
+
+    Args:
+        a: Shape (..., 3).
+        b: Shape (..., 3), broadcastable.
+
+    Returns:
+        Shape (..., 3).
+    """
+    a0, a1, a2 = a[..., 0], a[..., 1], a[..., 2]
+    b0, b1, b2 = b[..., 0], b[..., 1], b[..., 2]
+    first = a1 * b2 - a2 * b1
+    out = np.empty((*first.shape, 3))
+    out[..., 0] = first
+    out[..., 1] = a2 * b0 - a0 * b2
+    out[..., 2] = a0 * b1 - a1 * b0
+    return out
+
+
 def moment_about(o: ArrayLike, p: ArrayLike, force: ArrayLike, moment_p: ArrayLike = (0.0, 0.0, 0.0)) -> Array:
     """Moment about ``o`` of a force and moment given at ``p``, ``m_O = -S(r_O - r_P) f + m_P``.
 
@@ -44,7 +64,7 @@ def moment_about(o: ArrayLike, p: ArrayLike, force: ArrayLike, moment_p: ArrayLi
         Moment about ``o``, shape (..., 3) [N m].
     """
     arm = np.asarray(p, dtype=float) - np.asarray(o, dtype=float)
-    return np.cross(arm, np.asarray(force, dtype=float)) + np.asarray(moment_p, dtype=float)
+    return cross(arm, np.asarray(force, dtype=float)) + np.asarray(moment_p, dtype=float)
 
 
 def wrench_translation(r_OP: ArrayLike) -> Array:

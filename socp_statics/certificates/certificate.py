@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from socp_statics.certificates.contact_motion import Motion, contact_motion, least_work
+from socp_statics.certificates.contact_motion import ContactMotion, Motion, contact_motion, least_work
 from socp_statics.certificates.reading import contact_states, reading
 from socp_statics.cones.choice import ConeChoice
-from socp_statics.spatial import Array
 from socp_statics.statics.statics_data import StaticsData
 
 MOTION_TOLERANCE = 1e-7
@@ -26,27 +26,34 @@ class ForcesCertificate:
         return {"kind": "forces"}
 
 
-@dataclass(frozen=True, eq=False)
 class MotionCertificate:
-    """A rigid motion on which load and admissible forces do positive work whatever the forces: a certificate, not a forecast.
+    """A motion on which load, admissible forces and torques do positive work whatever they are: a certificate, not a forecast.
 
     Attributes:
         linear: Velocity of ``point``, world axes, shape (3,) [m/s].
         angular: Angular velocity, world axes, shape (3,) [rad/s].
         point: Reference point, world axes, shape (3,) [m].
-        power: Least power of load and forces on the motion, > 0 [W].
-        reading: The motion in words.
-        contacts: What each contact does: "holds", "slides" or "opens".
+        power: Least power of load, forces and torques on the motion, > 0 [W].
         joints: Rates of the joints that move, where torque limits matter [rad/s].
     """
 
-    linear: Array
-    angular: Array
-    point: Array
-    power: float
-    reading: str
-    contacts: dict[str, str]
-    joints: dict[str, float]
+    def __init__(self, data: StaticsData, motion: Motion, at_contacts: ContactMotion, power: float):
+        self._data, self._motion, self._at_contacts = data, motion, at_contacts
+        self.linear, self.angular = data.units.twist_in_si(motion.twist)
+        self.point = data.units.origin.copy()
+        self.power = power * data.units.force
+        names, length = data.torques.names, data.units.length
+        self.joints = {names[k]: float(motion.joints[k] / length) for k in np.flatnonzero(np.abs(motion.joints) > STILL)}
+
+    @cached_property
+    def reading(self) -> str:
+        """The motion in words."""
+        return reading(self._data, self._motion, self._at_contacts)
+
+    @cached_property
+    def contacts(self) -> dict[str, str]:
+        """What each contact does: "holds", "slides" or "opens"."""
+        return contact_states(self._data, self._at_contacts)
 
     def as_record(self) -> dict[str, Any]:
         """The record's entry."""
@@ -83,14 +90,4 @@ def motion_certificate(data: StaticsData, cone: ConeChoice, motion: Motion) -> M
     work = least_work(data, motion, at_contacts)
     if not work.power > 0.0 or work.violation > MOTION_TOLERANCE:
         return None
-    linear, angular = data.units.twist_in_si(motion.twist)
-    moving = np.abs(motion.joints) > STILL
-    return MotionCertificate(
-        linear=linear,
-        angular=angular,
-        point=data.units.origin.copy(),
-        power=work.power * data.units.force,
-        reading=reading(data, motion, at_contacts),
-        contacts=contact_states(data, at_contacts),
-        joints={data.torques.names[k]: float(motion.joints[k] / data.units.length) for k in np.flatnonzero(moving)},
-    )
+    return MotionCertificate(data, motion, at_contacts, work.power)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from socp_statics.cones.choice import ConeChoice
-from socp_statics.spatial import Array
+from socp_statics.spatial import Array, cross
 from socp_statics.statics.joint_torques import joint_rates
 from socp_statics.statics.statics_data import StaticsData
 
@@ -86,12 +86,12 @@ def contact_motion(data: StaticsData, cone: ConeChoice, motion: Motion) -> Conta
         The motion at the contacts.
     """
     twist, joints = motion
-    velocity_W = twist[:3] + np.cross(twist[3:], data.point)
+    velocity_W = twist[:3] + cross(twist[3:], data.point)
     rates = data.wrench_map.T @ twist
     if len(joints):
         frame = data.torques.jacobian @ joints
         k = data.contact_of_point
-        velocity_W = velocity_W + frame[k, :3] + np.cross(frame[k, 3:], data.point - data.position[k])
+        velocity_W = velocity_W + frame[k, :3] + cross(frame[k, 3:], data.point - data.position[k])
         rates = rates + data.torques.map.T @ joints
     velocity = np.einsum("nij,ni->nj", data.rotation[data.contact_of_point], velocity_W)
     spin = np.zeros(data.points)

@@ -7,6 +7,7 @@ which points from the environment into the robot. Forces are reactions: environm
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from functools import cached_property
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -71,9 +72,19 @@ class Contact:
     def placed(self, position: Array, rotation: Array, friction: float) -> Self:
         """The same contact somewhere else; placement and friction are taken as they are, checked and orthonormal."""
         other = object.__new__(type(self))
-        other.__dict__.update(self.__dict__)
-        other._freeze(position=position, rotation=rotation, friction=friction)
+        position.setflags(write=False)
+        rotation.setflags(write=False)
+        other.__dict__.update(self.__dict__, position=position, rotation=rotation, friction=friction)
         return other
+
+    @cached_property
+    def structure(self) -> tuple[Any, ...]:
+        """What does not change when the contact is placed elsewhere: its type, its points and its limits."""
+        bounds = None if self.normal_force is None else "bounded"
+        return (self.type, self.points_C.tobytes(), bounds, *self._shape_key())
+
+    def _shape_key(self) -> tuple[Any, ...]:
+        return ()
 
     @property
     def frictionless(self) -> bool:
@@ -233,6 +244,9 @@ class SoftFingerContact(Contact):
     def _shape(self) -> dict[str, Any]:
         return {"torsional_friction": self.torsional_friction, "shape": self.shape}
 
+    def _shape_key(self) -> tuple[Any, ...]:
+        return (self.shape,)
+
 
 class Handle(Contact):
     """A bilateral joint, for example a hand closed round a bar, (3.6).
@@ -269,6 +283,9 @@ class Handle(Contact):
     def _shape(self) -> dict[str, Any]:
         limits = {"limits": {key: list(value) for key, value in self.limits.items()}} if self.limits else {}
         return {"transmits": list(self.transmits)} | limits
+
+    def _shape_key(self) -> tuple[Any, ...]:
+        return self.transmits
 
 
 CONTACT_TYPES: dict[str, type[Contact]] = {

@@ -6,11 +6,12 @@ from collections.abc import Iterable, Iterator
 from functools import cached_property
 
 import numpy as np
-from scipy.spatial.distance import pdist
 
 from socp_statics.contacts.contact import Contact
 from socp_statics.exceptions import InputError
 from socp_statics.spatial import Array
+
+FEW = 64
 
 
 class ContactSet:
@@ -68,7 +69,14 @@ class ContactSet:
     def size(self) -> float:
         """Largest distance between contact points, 1 m if there is none [m]."""
         points = self.points_W - self.points_W[0]
-        largest = float(pdist(points).max()) if len(points) > 1 else 0.0
+        if len(points) <= FEW:
+            apart = points[:, None] - points
+            largest = float(np.sqrt((apart * apart).sum(axis=2).max()))
+        else:
+            # Imported here: few sets are large, and the import is slow.
+            from scipy.spatial.distance import pdist
+
+            largest = float(pdist(points).max())
         return largest if largest > 0.0 else 1.0
 
     @cached_property

@@ -9,9 +9,6 @@ import numpy as np
 from socp_statics.exceptions import InputError
 from socp_statics.spatial import Array
 
-LARGEST = float(np.finfo(float).max)
-
-
 def vector(name: str, field: str, value: Any, size: int, *, shape: tuple[int, ...] | None = None, kind: str = "contact") -> Array:
     """A finite vector or matrix.
 
@@ -62,8 +59,11 @@ def scalar(name: str, field: str, value: Any, *, above: float | None = None, lea
     """
     bound = f" > {above:g}" if above is not None else f" >= {least:g}" if least is not None else ""
     number = float("nan")
-    if isinstance(value, int | float | np.number) and not isinstance(value, bool) and abs(value) <= LARGEST:
-        number = float(value)
+    if isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool):
+        try:
+            number = float(value)
+        except OverflowError:
+            number = float("inf")
     wrong = not np.isfinite(number) or (above is not None and number <= above) or (least is not None and number < least)
     if wrong:
         raise InputError(f"{kind} '{name}': {field} must be a finite number{bound}, got {value!r}", name=name, field=field)

@@ -153,6 +153,11 @@ class CompiledSolution:
         return self._form.duals(np.asarray(self._raw.z))
 
     @cached_property
+    def gap(self) -> float:
+        """Relative gap recomputed from the data."""
+        return self._form.gap(self._conic, np.asarray(self._raw.x), np.asarray(self._raw.z))
+
+    @cached_property
     def residuals(self) -> Residuals:
         """Residuals recomputed from the data."""
         return self._form.residuals(self._conic, np.asarray(self._raw.x), np.asarray(self._raw.z))

@@ -9,6 +9,7 @@ multipliers of the declared program are entries of z and of the conic multiplier
 from __future__ import annotations
 
 from collections.abc import Mapping
+from copy import copy
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
@@ -78,6 +79,10 @@ class ConicForm:
         self._A_map = sp.csr_array(stuffed.reduced_A.reduced_mat)
         indices, indptr, shape = stuffed.reduced_A.problem_data_index
         self._A_indices, self._A_indptr, self._A_shape = np.asarray(indices), np.asarray(indptr), shape
+        columns = slice(0, self._A_indptr[self.columns])
+        none = np.zeros(columns.stop)
+        self._A_template = sp.csc_array((none, self._A_indices[columns], self._A_indptr[: self.columns + 1]), (self.rows, self.columns))
+        self._P_none = sp.csc_array((self.columns, self.columns))
         self._P_map = None
         if stuffed.P is not None:
             stuffed.reduced_P.cache(True)
@@ -151,11 +156,12 @@ class ConicForm:
         """P, q, A, b of a parameter vector; the sparsity pattern never changes."""
         entries = self._A_map @ p
         split = self._A_indptr[self.columns]
-        A = sp.csc_array((-entries[:split], self._A_indices[:split], self._A_indptr[: self.columns + 1]), (self.rows, self.columns))
+        A = copy(self._A_template)
+        A.data = -entries[:split]
         b = np.zeros(self.rows)
         b[self._A_indices[split:]] = entries[split:]
         if self._P_map is None:
-            P = sp.csc_array((self.columns, self.columns))
+            P = self._P_none
         else:
             indices, indptr, shape = self._P_index
             P = sp.csc_array(sp.triu(sp.csc_array((self._P_map @ p, indices, indptr), shape), format="csc"))
@@ -183,6 +189,12 @@ class ConicForm:
             z[self.variable_index[name]] = value
         return z
 
+    def gap(self, data: ConicData, z: Array, y: Array) -> float:
+        """Difference of the primal and the dual objective over 1 + |objective|, from the data alone."""
+        quadratic = float(z @ (data.P @ z + data.P.T @ z - data.P.diagonal() * z)) if data.P.nnz else 0.0
+        value = 0.5 * quadratic + float(data.q @ z)
+        return abs(value + 0.5 * quadratic + float(data.b @ y)) / (1.0 + abs(value))
+
     def residuals(self, data: ConicData, z: Array, y: Array) -> Residuals:
         """Residuals of a primal-dual pair, from the data alone.
 
@@ -199,9 +211,7 @@ class ConicForm:
         slack = data.b - data.A @ z
         primal = cone_violation(slack, self.cones, dual=False)
         dual = max(float(np.abs(Pz + data.q + data.A.T @ y).max(initial=0.0)), cone_violation(y, self.cones, dual=True))
-        value = 0.5 * float(z @ Pz) + float(data.q @ z)
-        bound = -0.5 * float(z @ Pz) - float(data.b @ y)
-        return Residuals(primal, dual, abs(value - bound) / (1.0 + abs(value)))
+        return Residuals(primal, dual, self.gap(data, z, y))
 
 
 def flat_multiplier(dual: object) -> Array:

@@ -85,6 +85,11 @@ class ReferenceSolution:
         """One variable without the others."""
         return self.variables[name].ravel().tolist()
 
+    @property
+    def gap(self) -> float:
+        """Relative gap recomputed from the data."""
+        return self.residuals.gap
+
     @cached_property
     def residuals(self) -> Residuals:
         """Residuals recomputed from the data."""

@@ -70,6 +70,11 @@ class Solution(Protocol):
         ...
 
     @property
+    def gap(self) -> float:
+        """Relative difference of the primal and the dual objective, recomputed from the data of the program."""
+        ...
+
+    @property
     def residuals(self) -> Residuals:
         """Residuals recomputed from the data of the program."""
         ...

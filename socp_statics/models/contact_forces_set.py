@@ -257,11 +257,13 @@ def _bounds(forces: Forces, reserve: cp.Expression | float) -> dict[str, cp.Cons
 
 
 def hard_rows(forces: Forces, relaxation: cp.Expression | float = 0.0) -> dict[str, cp.Constraint]:
-    """The rows that no reserve shifts: equal bounds, and limits ``H x <= d`` relaxed by a scalar or 0."""
+    """The rows that no reserve shifts: equal bounds, and limits ``H x <= d``; both relaxed by a scalar expression where one is given."""
     s = forces.shape
     out: dict[str, cp.Constraint] = {}
     if s.equal:
-        out["equal_bound"] = cp.Parameter((s.equal, s.points), name="S_equal") @ forces.f_n == cp.Parameter(s.equal, name="equal")
+        off = cp.Parameter((s.equal, s.points), name="S_equal") @ forces.f_n - cp.Parameter(s.equal, name="equal")
+        exact = isinstance(relaxation, float)
+        out["equal_bound"] = off == 0 if exact else cp.hstack([off, -off]) <= relaxation
     if s.limits:
         limit = cp.Parameter(s.limits, name="limit")
         out["limits"] = cp.Parameter((s.limits, s.columns), name="H") @ forces.x <= limit + relaxation

@@ -2,7 +2,7 @@
 
     minimise    e
     subject to  G x + L = 0
-                N_k = given            contacts whose bounds are equal
+                |N_k - given| <= e     contacts whose bounds are equal
                 H x <= d + e           handle limits, torque limits
                 e >= -1
 

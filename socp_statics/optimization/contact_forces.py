@@ -90,7 +90,7 @@ def optimise_contact_forces(
         return infeasible(equilibrium)
     W = data.units.force
     value = solution.objective * (W if objective == "normal_force" else W**2)
-    x, gap = solution.variables["x"], solution.residuals.gap
+    x, gap = solution.variables["x"], solution.gap
     return answer_of(data, choice, x, "solved", value, gap, solution.engine, handovers, equilibrium)
 
 

@@ -167,7 +167,7 @@ class _Question:
 
     def _answer(self, solution: Solution, status: str, objective: float) -> ForceAnswer:
         x = solution.variables["x"]
-        gap = solution.residuals.gap
+        gap = solution.gap
         return answer_of(self.data, self.cone, x, status, objective, gap, solution.engine, self.handovers, self.equilibrium)
 
     def nothing_to_measure(self) -> ForceAnswer:

@@ -75,7 +75,7 @@ def minimise_torque_use(
     if solution.status != SOLVED:
         return infeasible(equilibrium)
     x = solution.variables["x"]
-    share, gap = max(solution.objective, 0.0), solution.residuals.gap
+    share, gap = max(solution.objective, 0.0), solution.gap
     return answer_of(data, choice, x, "solved", share, gap, solution.engine, handovers, equilibrium)
 
 
@@ -140,7 +140,7 @@ def minimise_power_and_peak(
         return infeasible(equilibrium)
     value = solution.objective * data.units.force * length
     return answer_of(
-        data, cone, solution.variables["x"], "solved", value, solution.residuals.gap, solution.engine, handovers, equilibrium
+        data, cone, solution.variables["x"], "solved", value, solution.gap, solution.engine, handovers, equilibrium
     )  # fmt: skip
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import threading
+import weakref
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -180,7 +182,7 @@ def pose(
     mu = _checked_friction(robot, names, friction)
     angles = robot.angles(q)
     start = vector(robot.name, "at", at, 3, kind="robot")
-    model, data = robot.pin_model, robot.pin_model.createData()
+    model, data = robot.pin_model, _scratch(robot)
     configuration = robot.configuration(angles)
     pinocchio.computeJointJacobians(model, data, configuration)
     com_jacobian = pinocchio.jacobianCenterOfMass(model, data, configuration)[:, 6:]
@@ -197,8 +199,9 @@ def pose(
         R_WF, p_WF = R_WB @ placement.rotation, p_WB + R_WB @ placement.translation
         contacts.append(frame.contact(R_WF, p_WF, mu[frame.name]))
         J = pinocchio.getFrameJacobian(model, data, index, pinocchio.LOCAL_WORLD_ALIGNED)[:, 6:]
-        J_W = np.vstack([R_WB @ J[:3], R_WB @ J[3:]])
-        jacobian[frame.name] = _fixed(moved_jacobian(J_W, R_WF @ frame.position))
+        J_W = (R_WB @ J.reshape(2, 3, -1)).reshape(6, -1)
+        J_W[:3] -= skew(R_WF @ frame.position) @ J_W[3:]
+        jacobian[frame.name] = _fixed(J_W)
     return Posture(
         robot=robot,
         q=_fixed(robot.configuration(angles, p_WB, R_WB)),
@@ -210,6 +213,17 @@ def pose(
         jacobian=jacobian,
         com_jacobian=_fixed(R_WB @ com_jacobian),
     )
+
+
+_SCRATCH = threading.local()
+
+
+def _scratch(robot: Robot) -> Any:
+    """Pinocchio's working memory for a robot, one a thread: making it costs more than the kinematics."""
+    kept = _SCRATCH.__dict__.setdefault("of", weakref.WeakKeyDictionary())
+    if robot not in kept:
+        kept[robot] = robot.pin_model.createData()
+    return kept[robot]
 
 
 def _fixed(array: Array) -> Array:

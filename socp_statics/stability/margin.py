@@ -95,7 +95,7 @@ def _settled(data: StaticsData, cone: ConeChoice, form: str, engine: Engine, rea
             return _finite(data, cone, engine, reach, solution, x, t)
         x = balanced(data, x)
         if held is None and max(force_residuals(data, cone, x)) <= FORCE_TOLERANCE:
-            held = x, solution.residuals.gap
+            held = x, solution.gap
         if held is not None and _internal_force_inside(data, cone, form, engine, reach):
             return Margin(np.inf, held[0], None, None, held[1], engine.name, 0)
     return None
@@ -105,18 +105,18 @@ def _blocked(data: StaticsData, cone: ConeChoice, form: str, engine: Engine, rea
     """The margin -inf where balance and hard rows cannot be met for any reserve, with the motion that shows it."""
     compiled = engine.compile(HARD_ROWS, force_shape(data, cone, form, reach.rank))
     solution = compiled.solve(force_values(data, cone, reach.basis))
-    if solution.status != SOLVED or solution.objective <= 0.0:
+    if solution.status != SOLVED or solution.objective <= FORCE_TOLERANCE:
         return None
     motion = motion_of(data, reach.basis @ solution.duals["balance"], solution.duals.get("limits"))
     certificate = motion_certificate(data, cone, motion)
-    return None if certificate is None else Margin(-np.inf, None, certificate, motion, solution.residuals.gap, engine.name, 0)
+    return None if certificate is None else Margin(-np.inf, None, certificate, motion, solution.gap, engine.name, 0)
 
 
 def _finite(
     data: StaticsData, cone: ConeChoice, engine: Engine, reach: WrenchRange, solution: Solution, x: Array, t: float
 ) -> Margin | None:
     """A margin below the cap, if its certificate checks."""
-    gap = solution.residuals.gap
+    gap = solution.gap
     if gap > FORCE_TOLERANCE:
         return None
     motion = motion_of(data, reach.basis @ solution.duals["balance"], solution.duals.get("limits"))

@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from socp_statics.contacts import ExternalWrench, Stance
-from socp_statics.spatial import Array
+from socp_statics.spatial import Array, cross
 from socp_statics.statics.units import Units
 
 
@@ -104,7 +105,7 @@ def external_torque(posture: object, wrench: ExternalWrench) -> Array:
     return J.T @ np.concatenate([wrench.force, wrench.moment])
 
 
-def joint_torques(stance: Stance, units: Units, wrench_map: Array, contact_of_column: Array, position: Array) -> JointTorques:
+def joint_torques(stance: Stance, units: Units, wrench_map: Array, contact_of_column: NDArray[np.int_], position: Array) -> JointTorques:
     """Torques of a stance's unknown forces.
 
     Args:
@@ -120,9 +121,8 @@ def joint_torques(stance: Stance, units: Units, wrench_map: Array, contact_of_co
     posture = stance.posture
     if posture is None:
         return NONE
-    arm = position[contact_of_column].T
     local = wrench_map.copy()
-    local[3:] -= np.cross(arm, wrench_map[:3], axis=0)
+    local[3:] -= cross(position[contact_of_column], wrench_map[:3].T).T
     J = np.array([posture.jacobian[contact.name] for contact in stance.contacts])
     J[:, :3] /= units.length
     produced = np.empty((J.shape[2], wrench_map.shape[1]))
@@ -130,7 +130,10 @@ def joint_torques(stance: Stance, units: Units, wrench_map: Array, contact_of_co
         mine = contact_of_column == k
         produced[:, mine] = J[k].T @ local[:, mine]
     scale = units.force * units.length
-    limits = stance.torque_limits if stance.torque_limits is not None else np.tile([-np.inf, np.inf], (J.shape[2], 1))
+    limits = stance.torque_limits
+    if limits is None:
+        limits = np.full((J.shape[2], 2), np.inf)
+        limits[:, 0] = -np.inf
     return JointTorques(posture.robot.joints, produced, passive_torque(stance) / scale, limits / scale, J)
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from socp_statics.spatial import Array
+from socp_statics.spatial import Array, cross
 from socp_statics.statics.statics_data import StaticsData
 
 
@@ -47,7 +47,7 @@ class PointForces:
         for name, position in self.position_W.items():
             mine = np.array([c == name for c in self.contact])
             force = self.force_W[mine].sum(axis=0)
-            moment = (np.cross(self.point_W[mine] - position, self.force_W[mine]) + self.moment_W[mine]).sum(axis=0)
+            moment = (cross(self.point_W[mine] - position, self.force_W[mine]) + self.moment_W[mine]).sum(axis=0)
             out.append({"contact": name, "force": force.tolist(), "moment": moment.tolist()})
         return out
 

@@ -5,11 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from socp_statics.spatial import Array
 from socp_statics.statics.joint_torques import NONE as NO_TORQUES
 from socp_statics.statics.joint_torques import JointTorques
 from socp_statics.statics.units import Units
+
+Indices = NDArray[np.int_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,10 +61,10 @@ class StaticsData:
     com: Array
     friction: Array
     torsion: Array
-    contact_of_point: Array
-    contact_of_handle: Array
-    component_of_handle: Array
-    bounded: Array
+    contact_of_point: Indices
+    contact_of_handle: Indices
+    component_of_handle: Indices
+    bounded: Indices
     bounds: Array
     limit_rows: Array
     limit_values: Array
