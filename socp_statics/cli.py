@@ -80,10 +80,12 @@ def _described(kind: str) -> dict[str, str]:
 
         return ANSWERS.describe()
     if kind == "postures":
-        from socp_statics.cases.posture_statements import GENERATORS
+        from socp_statics.cases.generators import describe_generators
 
-        return GENERATORS.describe()
-    return {}
+        return describe_generators()
+    from socp_statics.robots import ROBOTS
+
+    return ROBOTS.describe()
 
 
 @app.command()

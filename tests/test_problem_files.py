@@ -207,7 +207,7 @@ def test_pyramids_get_their_defaults_and_exact_cones_do_not():
         ({"reference_forces": {"left": [1, 0, 0]}}, "goes with objective 'reference'"),
         ({"objective": "reference", "reference_forces": {"lft": [1, 0, 0]}}, "'lft'.*did you mean 'left'"),
         ({"objective": "reference", "reference_forces": {"left": [1, 0]}}, "parameters.reference_forces must be"),
-        ({"objective": "orin_oh"}, "parameters.objective must be"),
+        ({"objective": "orin"}, "parameters.objective must be"),
     ],
 )
 def test_parameters_of_a_force_optimisation_are_checked(parameters, words):

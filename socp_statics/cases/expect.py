@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import Field, field_validator
 
-from socp_statics.cases.answers.answer import BY_CONTACT
+from socp_statics.cases.answers.answer import BY_CONTACT, BY_JOINT
 from socp_statics.cases.dotted import Part, key_text, parse_key
 from socp_statics.cases.hashing import plain
 from socp_statics.cases.statement import Statement
@@ -42,7 +42,9 @@ def is_expectation(table: Mapping[str, Any]) -> bool:
     return bool({"value", "tolerance", "source"} & set(table))
 
 
-def check_expected_key(key: str, record_keys: Mapping[str, Any], model: str, contacts: Sequence[str] | None) -> None:
+def check_expected_key(
+    key: str, record_keys: Mapping[str, Any], model: str, contacts: Sequence[str] | None, joints: Sequence[str] | None = None
+) -> None:
     """Refuse a key that no record of the model has.
 
     Args:
@@ -50,6 +52,7 @@ def check_expected_key(key: str, record_keys: Mapping[str, Any], model: str, con
         record_keys: The keys that records of the model can have, as an `Answer` declares them.
         model: Name of the model, for the error sentence.
         contacts: Names of the problem's contacts; None where they are not known, then any name passes.
+        joints: Names of the robot's joints, in the same way; empty without a robot.
 
     Raises:
         InputError: No record of the model can have this key.
@@ -64,12 +67,11 @@ def check_expected_key(key: str, record_keys: Mapping[str, Any], model: str, con
                 known = nearest(str(part), contacts or ()) if named else "; an index counted from 0 is expected"
                 raise InputError(f"{where}a record of model '{model}' has no entry {part!r}{known}", name=key, field="expect")
             node = node[0]
-        elif isinstance(node, Mapping) and BY_CONTACT in node:
-            if contacts is not None and part not in contacts:
-                raise InputError(
-                    f"{where}a record of model '{model}' has no entry {part!r}{nearest(str(part), contacts)}", name=key, field="expect"
-                )
-            node = node[BY_CONTACT]
+        elif isinstance(node, Mapping) and (BY_CONTACT in node or BY_JOINT in node):
+            names, node = (contacts, node[BY_CONTACT]) if BY_CONTACT in node else (joints, node[BY_JOINT])
+            if names is not None and part not in names:
+                known = nearest(str(part), names) or ", it needs a robot"
+                raise InputError(f"{where}a record of model '{model}' has no entry {part!r}{known}", name=key, field="expect")
         elif isinstance(node, Mapping) and part in node:
             node = node[part]
         else:

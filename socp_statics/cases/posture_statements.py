@@ -1,4 +1,4 @@
-"""``[posture]``: one table for each generator; now explicit contacts with a centre of mass and no robot."""
+"""``[posture]`` with ``generator = "contacts"``: explicit contacts with a centre of mass and no robot."""
 
 from __future__ import annotations
 
@@ -10,12 +10,22 @@ from socp_statics.cases.dotted import key_text
 from socp_statics.cases.statement import Matrix3, Pair, Statement, Vector3
 from socp_statics.contacts import ContactSet, ExternalWrench, Stance, contact_from_statement
 from socp_statics.exceptions import InputError
-from socp_statics.registry import Registry
-
-GENERATORS = Registry("posture generator", group="socp_statics.postures")
-GENERATORS.add("contacts", "explicit contacts, centre of mass and mass, no robot", "socp_statics.cases.posture_statements:ContactsPosture")
 
 TYPES = "point, surface, line, soft_finger, frictionless_point, frictionless_surface, handle"
+
+Position = Annotated[Vector3, Field(description="three finite numbers [m]")]
+Rotation = Annotated[Matrix3 | None, Field(description="a 3 x 3 rotation matrix of finite numbers")]
+NormalForce = Annotated[Pair | None, Field(description="[lo, hi] in N with 0 <= lo <= hi")]
+Size = Annotated[list[float] | None, Field(description="a list of lengths > 0 [m]")]
+Corner = Annotated[list[float], Field(min_length=2, max_length=2)]
+Corners = Annotated[list[Corner] | None, Field(description="a list of points [x, y] of finite numbers [m]")]
+Torsion = Annotated[float | None, Field(gt=0, description="a finite length > 0 [m]")]
+Shape = Annotated[Literal["elliptic", "box"] | None, Field(description="'elliptic' or 'box'")]
+Component = Literal["fx", "fy", "fz", "mx", "my", "mz"]
+Transmits = Annotated[list[Component] | None, Field(description="a list of components of fx, fy, fz, mx, my, mz")]
+Limits = Annotated[dict[str, Pair] | None, Field(description="a table of component = [lo, hi] in N or N m")]
+Gravity = Annotated[Vector3, Field(description="three finite numbers [m/s^2]")]
+GRAVITY = [0.0, 0.0, -9.81]
 
 
 class ContactStatement(Statement):
@@ -23,22 +33,18 @@ class ContactStatement(Statement):
 
     name: str = Field(min_length=1, description="a name, at least one letter")
     type: str = Field(description=f"one of {TYPES}")
-    position: Vector3 = Field(description="three finite numbers [m]")
-    rotation: Matrix3 | None = Field(None, description="a 3 x 3 rotation matrix of finite numbers")
+    position: Position
+    rotation: Rotation = None
     normal: Vector3 | None = Field(None, description="three finite numbers, not all zero")
     rpy: Vector3 | None = Field(None, description="three finite numbers [rad]")
     friction: float | None = Field(None, ge=0, description="a finite number >= 0")
-    normal_force: Pair | None = Field(None, description="[lo, hi] in N with 0 <= lo <= hi")
-    size: list[float] | None = Field(None, description="a list of lengths > 0 [m]")
-    vertices: list[Annotated[list[float], Field(min_length=2, max_length=2)]] | None = Field(
-        None, description="a list of points [x, y] of finite numbers [m]"
-    )
-    torsional_friction: float | None = Field(None, gt=0, description="a finite length > 0 [m]")
-    shape: Literal["elliptic", "box"] | None = Field(None, description="'elliptic' or 'box'")
-    transmits: list[Literal["fx", "fy", "fz", "mx", "my", "mz"]] | None = Field(
-        None, description="a list of components of fx, fy, fz, mx, my, mz"
-    )
-    limits: dict[str, Pair] | None = Field(None, description="a table of component = [lo, hi] in N or N m")
+    normal_force: NormalForce = None
+    size: Size = None
+    vertices: Corners = None
+    torsional_friction: Torsion = None
+    shape: Shape = None
+    transmits: Transmits = None
+    limits: Limits = None
 
     @model_validator(mode="after")
     def _is_a_contact(self) -> Self:
@@ -70,7 +76,7 @@ class ContactsPosture(Statement):
     generator: Literal["contacts"] = Field(description="a posture generator")
     mass: float = Field(gt=0, description="a finite number > 0 [kg]")
     com: Vector3 = Field(description="three finite numbers [m], the centre of mass")
-    gravity: Vector3 = Field([0.0, 0.0, -9.81], description="three finite numbers [m/s^2]")
+    gravity: Gravity = GRAVITY
     inertia: Matrix3 | None = Field(None, description="a symmetric positive definite 3 x 3 matrix of finite numbers [kg m^2]")
     contacts: list[ContactStatement] = Field(min_length=1, description="a list of at least one [[posture.contacts]]")
     external_wrenches: list[ExternalWrenchStatement] = Field([], description="a list of [[posture.external_wrenches]]")

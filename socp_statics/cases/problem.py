@@ -11,11 +11,13 @@ from socp_statics.cases.dotted import parse_key, resolve, with_value
 from socp_statics.cases.named_problems import problem_path
 from socp_statics.cases.posture_statements import contacts_stance
 from socp_statics.cases.problem_text import read_toml
+from socp_statics.cases.robot_posture import robot_stance
 from socp_statics.cases.schema import read_problem, swept_tables
 from socp_statics.cases.sweep import Values, case_count, case_values, flatten_keys, is_range
 from socp_statics.cones.choice import ConeChoice
 from socp_statics.contacts import Stance
 from socp_statics.exceptions import InputError
+from socp_statics.postures import Posture
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +35,7 @@ class Problem:
         sweep: Dotted key -> values; empty for a single problem.
         expect: Dotted key of the record -> value, tolerance, source.
         path: The file, None when the problem was not read from one.
+        robot_posture: The posture of the robot, None where there is no robot; of the first case when there is a sweep.
         raw: The tables as they were written.
     """
 
@@ -46,15 +49,18 @@ class Problem:
     sweep: dict[str, Values]
     expect: dict[str, dict[str, Any]]
     path: Path | None
+    robot_posture: Posture | None
     raw: Mapping[str, Any] = field(repr=False)
 
     def stance(self) -> Stance:
-        """Contacts, centre of mass, mass and loads.
+        """Contacts, centre of mass, mass and loads; with a robot also its posture and, if they are in force, its torque limits.
 
         Raises:
             InputError: The problem is a sweep, which has as many stances as cases.
         """
         self.require_single()
+        if self.robot_posture is not None:
+            return robot_stance(self.robot_posture, self.posture, self.parameters["torque_limits"])
         return contacts_stance(self.posture)
 
     @property
@@ -148,7 +154,7 @@ def problem_from_tables(tables: Mapping[str, Any], name: str, *, label: str | No
         InputError: One sentence that names every fault by its key path.
     """
     label = label or name
-    read = read_problem(tables, label)
+    read = read_problem(tables, label, None if path is None else path.parent)
     return Problem(
         name=name,
         label=label,
@@ -160,6 +166,7 @@ def problem_from_tables(tables: Mapping[str, Any], name: str, *, label: str | No
         sweep=read.sweep,
         expect=read.expect,
         path=path,
+        robot_posture=read.robot_posture,
         raw=tables,
     )
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from pydantic import Field
@@ -10,10 +11,13 @@ from pydantic import Field
 from socp_statics.cases.answers import ANSWERS
 from socp_statics.cases.dotted import key_text, parse_key, resolve, with_value
 from socp_statics.cases.expect import ExpectationStatement, check_expected_key, is_expectation
-from socp_statics.cases.posture_statements import GENERATORS
+from socp_statics.cases.generators import CONTACTS, check_generator
+from socp_statics.cases.posture_statements import ContactsPosture
+from socp_statics.cases.robot_posture import check_torque_limits, read_robot_posture
 from socp_statics.cases.statement import Statement, read_statement
 from socp_statics.cases.sweep import Values, case_values, flatten_keys, is_range, sweep_values
 from socp_statics.exceptions import InputError
+from socp_statics.postures import Posture
 
 Table = dict[str, Any]
 
@@ -31,21 +35,30 @@ class ProblemStatement(Statement):
 
 
 class Reading(NamedTuple):
-    """A valid problem: the tables with their defaults filled in."""
+    """A valid problem: the tables with their defaults filled in, and the robot's posture where there is a robot."""
 
     top: ProblemStatement
     posture: Table
     parameters: Table
     sweep: dict[str, Values]
     expect: dict[str, Table]
+    robot_posture: Posture | None
 
 
-def read_problem(raw: Mapping[str, Any], label: str) -> Reading:
+class Names(NamedTuple):
+    """Contacts and joints of the problem, which parameters and expectations may name; None where they are not known."""
+
+    contacts: tuple[str, ...] | None = None
+    joints: tuple[str, ...] | None = None
+
+
+def read_problem(raw: Mapping[str, Any], label: str, folder: Path | None = None) -> Reading:
     """Validate a problem.
 
     Args:
         raw: The file as TOML reads it.
         label: The file or problem, for the error sentence.
+        folder: Where relative paths of the file start; the working directory where there is no file.
 
     Returns:
         The tables with their defaults. With a ``[sweep]``, posture and parameters are those of its first case.
@@ -58,16 +71,17 @@ def read_problem(raw: Mapping[str, Any], label: str) -> Reading:
     first = raw if faults else _first_case(raw, sweep, faults)
     top = read_statement(ProblemStatement, first, (), faults)
     tables = {key: first[key] for key in ("posture", "parameters", "expect") if isinstance(first.get(key), Mapping)}
-    posture = _read_posture(tables["posture"], faults) if "posture" in tables else None
-    contacts = tuple(entry["name"] for entry in posture["contacts"]) if posture else None
-    parameters, expect = _read_model(first.get("model"), tables, contacts, faults)
+    posture, made, names = _read_posture(tables["posture"], folder, faults) if "posture" in tables else (None, None, Names())
+    parameters, expect = _read_model(first.get("model"), tables, names, faults)
+    if posture is not None and made is not None:
+        check_torque_limits(posture, made, parameters.get("torque_limits", False), faults)
     for key in sweep:
         path = key_text(resolve(first, parse_key(key, "sweep"), "sweep"))
         if path in faults:
             faults[path] += f" (set by sweep key {key})"
     if faults or top is None or posture is None:
         raise InputError(f"{label}: {'; '.join(faults.values())}", name=label, field=next(iter(faults)))
-    return Reading(top, posture, parameters, sweep, expect)
+    return Reading(top, posture, parameters, sweep, expect, made)
 
 
 def _collect(faults: dict[str, str], path: str, error: InputError) -> None:
@@ -113,26 +127,21 @@ def swept_tables(raw: Mapping[str, Any], sweep: Mapping[str, Values], number: in
     return tables
 
 
-def _read_posture(stated: Mapping[str, Any], faults: dict[str, str]) -> Table | None:
-    generator = stated.get("generator")
-    if not isinstance(generator, str):
-        sentence = f"must be a name in quotes, one of {', '.join(GENERATORS.names())}"
-        faults["posture.generator"] = f"posture.generator {sentence}" + (
-            f", got {generator!r}" if "generator" in stated else ", it is missing"
-        )
-        return None
+def _read_posture(stated: Mapping[str, Any], folder: Path | None, faults: dict[str, str]) -> tuple[Table | None, Posture | None, Names]:
     try:
-        table: type[Statement] = GENERATORS.load(generator)
+        generator = check_generator(stated.get("generator"))
     except InputError as error:
         _collect(faults, "posture.generator", error)
-        return None
-    read = read_statement(table, stated, ("posture",), faults)
-    return read.stated() if read is not None else None
+        return None, None, Names()
+    if generator != CONTACTS:
+        posture, made = read_robot_posture(stated, folder, faults)
+        return posture, made, Names() if made is None else Names(made.support, made.robot.joints)
+    read = read_statement(ContactsPosture, stated, ("posture",), faults)
+    contacts = None if read is None else tuple(contact.name for contact in read.contacts)
+    return None if read is None else read.stated(), None, Names(contacts, ())
 
 
-def _read_model(
-    model: Any, tables: Mapping[str, Any], contacts: tuple[str, ...] | None, faults: dict[str, str]
-) -> tuple[Table, dict[str, Table]]:
+def _read_model(model: Any, tables: Mapping[str, Any], names: Names, faults: dict[str, str]) -> tuple[Table, dict[str, Table]]:
     if not isinstance(model, str):
         return {}, {}
     try:
@@ -140,12 +149,12 @@ def _read_model(
     except InputError as error:
         _collect(faults, "model", error)
         return {}, {}
-    read = read_statement(answer.parameters, tables.get("parameters", {}), ("parameters",), faults, contacts=contacts)
+    read = read_statement(answer.parameters, tables.get("parameters", {}), ("parameters",), faults, **names._asdict())
     expect: dict[str, Table] = {}
     for key, stated in flatten_keys(tables.get("expect", {}), is_expectation).items():
         expectation = read_statement(ExpectationStatement, stated, ("expect", key), faults)
         try:
-            check_expected_key(key, answer.record_keys, model, contacts)
+            check_expected_key(key, answer.record_keys, model, names.contacts, names.joints)
         except InputError as error:
             _collect(faults, key_text(("expect", key)), error)
         if expectation is not None:

@@ -8,6 +8,7 @@ from typing import Any
 
 import socp_statics
 from socp_statics.cases.answers import ANSWERS
+from socp_statics.cases.answers.equilibrium import torque_keys
 from socp_statics.cases.expect import evaluate
 from socp_statics.cases.hashing import SCHEMA, case_hash, plain
 from socp_statics.cases.problem import Problem
@@ -17,9 +18,11 @@ from socp_statics.exceptions import InputError
 from socp_statics.registry import nearest
 
 DISTRIBUTIONS = ("numpy", "scipy", "cvxpy-base", "clarabel")
+KINEMATICS = "pin"
 KEY_ORDER = (
     "schema", "problem", "model", "hash", "case", "status", "verdict", "reason", "cone", "objective", "margin", "idle", "idle_margin",
-    "com_margin", "wrenches", "forces", "region", "certificate", "safety", "residuals", "expect", "engine", "handovers", "versions",
+    "com_margin", "wrenches", "forces", "torques", "torque_limits", "region", "certificate", "safety", "residuals", "expect", "engine",
+    "handovers", "versions",
 )  # fmt: skip
 
 
@@ -38,8 +41,8 @@ def solve(problem: Problem, engine: str = "auto") -> Record:
         EngineError: The computation broke down.
     """
     chosen = first_engine(engine)
-    stance = problem.stance()
     try:
+        stance = problem.stance()
         keys = ANSWERS.load(problem.model).compute(problem, stance, engine)
     except InputError as error:
         raise InputError(f"{problem.label}: {_key_of(error, problem)}{error}", name=problem.label, field=error.field) from error
@@ -72,6 +75,7 @@ def failed_record(problem: Problem, engine: str, reason: str) -> Record:
         engine: As for `solve`.
         reason: What the engine said.
     """
+    stance = problem.stance()
     keys: dict[str, Any] = {
         "status": "failed",
         "verdict": "undecided",
@@ -83,13 +87,14 @@ def failed_record(problem: Problem, engine: str, reason: str) -> Record:
         "idle_margin": None,
         "wrenches": [],
         "forces": [],
+        **torque_keys(None, stance),
         "certificate": None,
         "residuals": {"balance": None, "cone": None, "gap": None},
         "engine": first_engine(engine),
         "handovers": 0,
         "failure": reason,
     }
-    return _record(problem, problem.stance(), first_engine(engine), keys)
+    return _record(problem, stance, first_engine(engine), keys)
 
 
 def unmet(record: Record) -> list[str]:
@@ -107,24 +112,31 @@ def unmet(record: Record) -> list[str]:
     ]
 
 
-def versions() -> dict[str, str]:
-    """Versions of the toolkit, of Python and of the libraries that decide the numbers."""
+def versions(robot: bool = False) -> dict[str, str]:
+    """Versions of the toolkit, of Python and of the libraries that decide the numbers.
+
+    Args:
+        robot: Whether a robot was posed.
+    """
     own = {"socp_statics": socp_statics.__version__, "python": platform.python_version()}
-    return own | {name.removesuffix("-base"): metadata.version(name) for name in DISTRIBUTIONS}
+    names = (*DISTRIBUTIONS, KINEMATICS) if robot else DISTRIBUTIONS
+    return own | {name.removesuffix("-base"): metadata.version(name) for name in names}
 
 
 def _record(problem: Problem, stance: Stance, engine: str, keys: dict[str, Any]) -> Record:
-    stated = problem.stated()
+    stated, posture = problem.stated(), stance.posture
     generated = {"contacts": [contact.statement() for contact in stance.contacts], "com": stance.com, "mass": stance.mass}
+    if posture is not None:
+        generated["angles"] = dict(zip(posture.robot.joints, posture.angles, strict=True))
     entries = {
         "schema": SCHEMA,
         "problem": problem.name,
         "model": problem.model,
-        "hash": case_hash(stated, engine),
+        "hash": case_hash(stated, engine, None if posture is None else posture.robot.digest),
         "case": stated | {"generated": generated},
         "com_margin": None,
         **keys,
-        "versions": versions(),
+        "versions": versions(posture is not None),
     }
     entries["expect"] = evaluate(problem.expect, plain(entries))
     order = [*(key for key in KEY_ORDER if key in entries), *(key for key in entries if key not in KEY_ORDER)]

@@ -80,6 +80,23 @@ def _owner(raw: Any, loc: tuple[Part, ...]) -> str:
     return owner
 
 
+def _entry_description(annotation: Any) -> str | None:
+    """What each entry of a table with free keys must be, where the table's field says so."""
+    inner = typing.get_args(annotation)
+    if typing.get_origin(annotation) is not dict:
+        return next((found for found in map(_entry_description, inner) if found), None)
+    return next((note.description for note in typing.get_args(inner[1])[1:] if isinstance(note, FieldInfo) and note.description), None)
+
+
+def _in_the_file(raw: Any, loc: tuple[Part, ...]) -> tuple[Part, ...]:
+    """A place without the words that only say which kind of value was expected there."""
+    parts: tuple[Part, ...] = ()
+    for part in loc:
+        if (isinstance(raw, Mapping) and part in raw) or (isinstance(raw, list) and isinstance(part, int)):
+            raw, parts = raw[part], (*parts, part)  # type: ignore[index]
+    return parts
+
+
 def _sentence(model: type[Statement], raw: Any, prefix: tuple[Part, ...], error: Any) -> tuple[str, str]:
     """Key path and sentence of one pydantic error."""
     loc: tuple[Part, ...] = tuple(error["loc"])
@@ -92,12 +109,17 @@ def _sentence(model: type[Statement], raw: Any, prefix: tuple[Part, ...], error:
         path = key_text((*prefix, *loc))
         return path, f"{path} is not a known key{_owner(raw, loc)}{nearest(str(loc[-1]), holder.model_fields)}"
     expected = field.description if field is not None else error["msg"]
-    path = key_text((*prefix, *loc[:depth]))
+    known = (*prefix, *loc[:depth])
+    path = key_text(known)
     if not loc:
         return path, f"{path} must be a table with keys of {', '.join(model.model_fields)}, got {_shown(error['input'])}"
     if error["type"] == "missing":
         return path, f"{path}{_owner(raw, loc)} is missing: it must be {expected}"
-    inside = f" at {key_text(loc[depth:])}" if loc[depth:] else ""
+    rest = _in_the_file(raw, loc)[depth:]
+    entry = _entry_description(field.annotation) if field is not None and rest and isinstance(rest[0], str) else None
+    if entry:
+        path, rest, expected = key_text((*known, rest[0])), rest[1:], entry
+    inside = f" at {key_text(rest)}" if rest else ""
     return path, f"{path}{_owner(raw, loc)} must be {expected}, got {_shown(error['input'])}{inside}"
 
 

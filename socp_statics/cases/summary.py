@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+SHOWN_JOINTS = 3
+
 
 def summarise(record: Mapping[str, Any]) -> str:
     """Verdict, margins, region, certificate, expectations and who computed it.
@@ -31,13 +33,14 @@ def summarise(record: Mapping[str, Any]) -> str:
     if "region" in record:
         lines.append(("region", _region(record["region"])))
     if record["objective"] is not None:
-        lines.append(("objective", f"{record['objective']:.6g}"))
+        lines.append(("objective", _objective(record)))
     if "safety" in record:
         lines.append(("safety", _safety(record["safety"])))
     if record["certificate"]:
         lines.append(("because", record["certificate"].get("reading") or "forces inside every cone balance the load"))
     largest = max((abs(value) for entry in record["wrenches"] for value in entry["force"]), default=0.0)
     lines += [("contact", _wrench(entry, 1e-9 * largest)) for entry in record["wrenches"]]
+    lines += [("torque", line) for line in _torques(record)]
     for entry in record["expect"]:
         lines.append(
             ("expect", f"{entry['key']} {'holds' if entry['ok'] else 'DOES NOT HOLD'}: {entry['value']!r}, expected {entry['expected']!r}")
@@ -64,13 +67,23 @@ def _margin(record: Mapping[str, Any]) -> str:
     if margin is None:
         return "not known"
     if isinstance(margin, str):
-        held = {"inf": "nothing stops the internal forces, every contact can be loaded at will", "-inf": "no forces balance the load"}
+        within = " within the torque limits" if record["reason"] == "torque" else ""
+        held = {
+            "inf": "nothing stops the internal forces, every contact can be loaded at will",
+            "-inf": f"no forces balance the load{within}",
+        }
         return f"{margin} ({held[margin]})"
     gravity = record["case"]["posture"].get("gravity", [0.0, 0.0, -9.81])
     weight = record["case"]["generated"]["mass"] * math.hypot(*gravity)
     share = f" ({100 * margin / weight:.3g} % of the weight)" if weight > 0 else ""
     meaning = "every contact point can spare it" if margin > 0 else "every contact point lacks it" if margin < 0 else "nothing to spare"
     return f"{_newtons(margin)}{share} of normal force: {meaning}"
+
+
+def _objective(record: Mapping[str, Any]) -> str:
+    if record["model"] == "torque_feasibility":
+        return f"the worst joint has to use {100 * record['objective']:.5g} % of its torque limit"
+    return f"{record['objective']:.6g}"
 
 
 def _millimetres(value: Any) -> str:
@@ -82,12 +95,13 @@ def _millimetres(value: Any) -> str:
 
 
 def _region(region: Mapping[str, Any]) -> str:
+    frozen = ", torque limits of the frozen posture" if region.get("posture") == "frozen" else ""
     if region["kind"] == "polygon":
         area = f"{1e4 * region['inner_area']:.5g} cm^2"
-        return f"polygon of {area}, relative gap {region['relative_gap']:.1e}, {region['solves']} programs"
+        return f"polygon of {area}, relative gap {region['relative_gap']:.1e}, {region['solves']} programs{frozen}"
     if region["kind"] == "unbounded":
-        return f"unbounded along {len(region['rays'])} rays, {region['solves']} programs"
-    return f"{region['kind']}, {region['solves']} programs"
+        return f"unbounded along {len(region['rays'])} rays, {region['solves']} programs{frozen}"
+    return f"{region['kind']}, {region['solves']} programs{frozen}"
 
 
 def _safety(safety: Mapping[str, Any]) -> str:
@@ -101,3 +115,21 @@ def _safety(safety: Mapping[str, Any]) -> str:
 def _wrench(entry: Mapping[str, Any], nothing: float) -> str:
     force, moment = (", ".join(f"{value if abs(value) > nothing else 0.0:.4g}" for value in entry[key]) for key in ("force", "moment"))
     return f"{entry['contact']}: force [{force}] N, moment [{moment}] N m"
+
+
+def _torques(record: Mapping[str, Any]) -> list[str]:
+    """The joints that use most of their limits, or, where no limit counts, that carry most."""
+    torques, limits = record.get("torques") or {}, record.get("torque_limits") or {}
+
+    def use(joint: str) -> float:
+        lower, upper = (float(end) for end in limits.get(joint, ("-inf", "inf")))
+        limit = upper if torques[joint] > 0.0 else -lower
+        return abs(torques[joint]) / limit if limit else math.inf if torques[joint] else 0.0
+
+    order = sorted(torques, key=lambda joint: (-round(use(joint), 9), -round(abs(torques[joint]), 9)))
+    lines = []
+    for joint in order[:SHOWN_JOINTS]:
+        share = use(joint)
+        words = f", {100 * share:.3g} % of its limit" if share and math.isfinite(share) else ""
+        lines.append(f"{joint} {torques[joint]:.4g} N m{words}")
+    return lines

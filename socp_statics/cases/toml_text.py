@@ -24,10 +24,11 @@ def problem_toml(problem: Problem) -> str:
     posture, expect = stated["posture"], stated["expect"]
     head = {key: stated[key] for key in ("description", "model", "reference") if stated[key]}
     entry_tables = {key: value for key, value in posture.items() if _is_table_list(value)}
-    blocks = [
-        _lines(head),
-        "[posture]\n" + _lines({key: value for key, value in posture.items() if value != [] and key not in entry_tables}),
-    ]
+    named_tables = {key: value for key, value in posture.items() if _is_table_of_tables(value)}
+    plain = {key: value for key, value in posture.items() if value != [] and key not in entry_tables and key not in named_tables}
+    blocks = [_lines(head), "[posture]\n" + _lines(plain)]
+    for key, tables in named_tables.items():
+        blocks += [f"[{key_text(('posture', key, name))}]\n" + _lines(entry) for name, entry in tables.items()]
     for key, entries in entry_tables.items():
         blocks += [f"[[posture.{key}]]\n" + _lines(entry) for entry in entries]
     blocks.append("[parameters]\n" + _lines(stated["parameters"]))
@@ -63,6 +64,10 @@ def _lines(table: Mapping[str, Any]) -> str:
 
 def _is_table_list(value: Any) -> bool:
     return isinstance(value, list) and bool(value) and all(isinstance(entry, Mapping) for entry in value)
+
+
+def _is_table_of_tables(value: Any) -> bool:
+    return isinstance(value, Mapping) and bool(value) and all(isinstance(entry, Mapping) for entry in value.values())
 
 
 def _swept(values: Sequence[Any]) -> Any:

@@ -15,11 +15,14 @@ from socp_statics.statics import StaticsData, assemble, wrench_range
 QUESTIONS = {
     "equilibrium": ("maximise", "t", "the normal-force reserve of every contact point"),
     "support_region": ("maximise", "d' c", "one program for each direction d of the plane; c is the horizontal CoM position"),
+    "minimax_wrench": ("minimise", "s", "the largest measure"),
+    "torque_feasibility": ("minimise", "s", "the worst share of a torque limit; feasible exactly where s <= 1"),
 }
 OBJECTIVES = {
     "least_squares": ("sum_i |f_i|^2", "points and handles"),
     "normal_force": ("sum_i f_n,i", "all contact points"),
     "reference": ("sum_k |F_k - F_ref,k|^2", "contacts with a reference"),
+    "orin_oh": ("sum_j |tau_j rate_j| + b max_i f_n,i", "joints and contact points"),
 }
 MEASURES = {
     "normal": "N_g <= s",
@@ -47,7 +50,11 @@ def describe(model: str, stance: Stance, parameters: Mapping[str, Any]) -> str:
     shape = force_shape(data, cone, parameters["form"], reach.rank)
     verb, objective, meaning = _question(model, parameters)
     reserve = model == "equilibrium"
-    rows = [_balance(model, shape, data), *_cone_rows(shape, data, cone, reserve), *_other_rows(shape, reserve)]
+    rows = [_balance(model, shape, data), *_cone_rows(shape, data, cone, reserve), *_other_rows(shape, data, reserve)]
+    if data.torques.limited:
+        share = "s " if model == "torque_feasibility" else ""
+        joints = int(np.isfinite(data.torques.limits).any(axis=1).sum())
+        rows.append((f"{share}lower_j <= tau_j = (g_theta - J' F)_j <= {share}upper_j", f"{joints} joints with torque limits"))
     if model == "minimax_wrench":
         rows.append((MEASURES[parameters["measure"]], f"every {parameters['level']} g"))
     width = max(len(left) for left, _ in [(objective, ""), *rows]) + 3
@@ -66,12 +73,10 @@ def describe(model: str, stance: Stance, parameters: Mapping[str, Any]) -> str:
 
 
 def _question(model: str, parameters: Mapping[str, Any]) -> tuple[str, str, str]:
-    if model in QUESTIONS:
+    if model != "contact_forces":
         return QUESTIONS[model]
-    if model == "contact_forces":
-        objective, meaning = OBJECTIVES[parameters["objective"]]
-        return "minimise", objective, meaning
-    return "minimise", "s", "the largest measure"
+    objective, meaning = OBJECTIVES[parameters["objective"]]
+    return "minimise", objective, meaning
 
 
 def _balance(model: str, shape: ForceShape, data: StaticsData) -> tuple[str, str]:
@@ -102,15 +107,15 @@ def _cone_rows(shape: ForceShape, data: StaticsData, cone: ConeChoice, reserve: 
     return rows
 
 
-def _other_rows(shape: ForceShape, reserve: bool) -> list[tuple[str, str]]:
+def _other_rows(shape: ForceShape, data: StaticsData, reserve: bool) -> list[tuple[str, str]]:
     rows = []
     if shape.lower or shape.upper:
         lower, upper = ("lo + t", "hi - t") if reserve else ("lo", "hi")
         rows.append((f"{lower} <= N_k <= {upper}", f"{shape.lower} lower and {shape.upper} upper bounds"))
     if shape.equal:
         rows.append(("N_k = given", f"{shape.equal} contacts"))
-    if shape.limits:
-        rows.append(("H x <= d", f"{shape.limits} hard rows"))
+    if data.handle_limits:
+        rows.append(("H x <= d", f"{data.handle_limits} handle limits"))
     return rows
 
 

@@ -92,10 +92,10 @@ def settled(
 
 def answer_of(
     data: StaticsData, cone: ConeChoice, x: Array, status: str, objective: float, gap: float, engine: str, handovers: int,
-    equilibrium: EquilibriumAnswer,
+    equilibrium: EquilibriumAnswer, promised: StaticsData | None = None,
 ) -> ForceAnswer:  # fmt: skip
-    """The answer behind scaled forces."""
-    held = force_residuals(data, cone, x)
+    """The answer behind scaled forces; its residuals are those of the set that was promised, the whole one by default."""
+    held = force_residuals(promised or data, cone, x)
     residuals = {"balance": held.balance, "cone": held.cone, "gap": gap}
     torques = torques_by_name(data.torques, data.units, x) if data.torques.names else None
     return ForceAnswer(status, objective, point_forces(data, x), residuals, engine, equilibrium.handovers + handovers, equilibrium, torques)

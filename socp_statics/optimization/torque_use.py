@@ -76,7 +76,7 @@ def minimise_torque_use(
         return infeasible(equilibrium)
     x = solution.variables["x"]
     share, gap = max(solution.objective, 0.0), solution.gap
-    return answer_of(data, choice, x, "solved", share, gap, solution.engine, handovers, equilibrium)
+    return answer_of(data, choice, x, "solved", share, gap, solution.engine, handovers, equilibrium, promised=hard)
 
 
 def _balanced_without(stance: Stance, cone: ConeChoice, form: str, engine: str) -> bool:

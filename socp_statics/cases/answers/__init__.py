@@ -7,8 +7,13 @@ _HERE = "socp_statics.cases.answers"
 ANSWERS.add("equilibrium", "can the stance be held: verdict, margin and certificate", f"{_HERE}.equilibrium:ANSWER")
 ANSWERS.add(
     "contact_forces",
-    "the best balancing contact forces: least squares, normal force or nearest to given ones",
+    "the best balancing contact forces: least squares, normal force, nearest to given ones, or Orin and Oh's power and peak",
     f"{_HERE}.contact_forces:ANSWER",
 )
 ANSWERS.add("minimax_wrench", "balancing contact forces whose largest measure is least", f"{_HERE}.minimax_wrench:ANSWER")
 ANSWERS.add("support_region", "where the centre of mass may be: inner and outer polygon", f"{_HERE}.support_region:ANSWER")
+ANSWERS.add(
+    "torque_feasibility",
+    "least share of its torque limits that the worst joint must use: feasible if <= 1",
+    f"{_HERE}.torque_feasibility:ANSWER",
+)

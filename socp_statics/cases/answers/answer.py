@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from socp_statics.cases.problem import Problem
     from socp_statics.contacts import Stance
 
-BY_CONTACT = "*"
+BY_CONTACT, BY_JOINT = "*", "* joint"
 VECTOR: list[Any] = [None]
 RECORD_KEYS: dict[str, Any] = {
     "schema": None,
@@ -30,13 +30,24 @@ RECORD_KEYS: dict[str, Any] = {
     "margin": None,
     "idle": [None],
     "idle_margin": None,
+    "case": {
+        "generated": {
+            "contacts": [{"position": VECTOR, "rotation": [VECTOR], "friction": None, "vertices": [VECTOR]}],
+            "com": VECTOR,
+            "mass": None,
+            "angles": {BY_JOINT: None},
+        }
+    },
     "wrenches": [{"contact": None, "force": VECTOR, "moment": VECTOR}],
     "forces": [{"contact": None, "point": VECTOR, "force": VECTOR, "moment": VECTOR}],
+    "torques": {BY_JOINT: None},
+    "torque_limits": {BY_JOINT: VECTOR},
     "certificate": {
         "kind": None,
         "linear": VECTOR,
         "angular": VECTOR,
         "point": VECTOR,
+        "joints": {BY_JOINT: None},
         "power": None,
         "reading": None,
         "contacts": {BY_CONTACT: None},
@@ -58,8 +69,8 @@ class Parameters(Statement):
 
     @field_validator("torque_limits")
     @classmethod
-    def _needs_a_robot(cls, value: bool) -> bool:
-        if value:
+    def _needs_a_robot(cls, value: bool, info: ValidationInfo) -> bool:
+        if value and joint_names(info) == ():
             raise InputError("torque limits need a robot, and this posture has none: false is expected")
         return value
 
@@ -86,7 +97,8 @@ class Answer:
     Attributes:
         parameters: The class of its ``[parameters]``.
         compute: ``(problem, stance, engine) -> dict`` of the model's record keys.
-        record_keys: The keys its records can have, nested; a list holds what its entries hold, `BY_CONTACT` stands for a name.
+        record_keys: The keys its records can have, nested; a list holds what its entries hold, `BY_CONTACT` and
+            `BY_JOINT` stand for names.
     """
 
     parameters: type[Parameters]
@@ -97,3 +109,8 @@ class Answer:
 def contact_names(info: ValidationInfo) -> tuple[str, ...] | None:
     """Names of the contacts of the problem whose parameters are validated, None where they are not known."""
     return (info.context or {}).get("contacts")
+
+
+def joint_names(info: ValidationInfo) -> tuple[str, ...] | None:
+    """Names of the joints of the robot, empty without a robot, None where they are not known."""
+    return (info.context or {}).get("joints")

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, ValidationInfo, model_validator
 
-from socp_statics.cases.answers.answer import RECORD_KEYS, Answer, Parameters, contact_names
-from socp_statics.cases.answers.equilibrium import verdict_keys
+from socp_statics.cases.answers.answer import RECORD_KEYS, Answer, Parameters, contact_names, joint_names
+from socp_statics.cases.answers.equilibrium import torque_keys, verdict_keys
+from socp_statics.cases.dotted import key_text
 from socp_statics.cases.statement import Vector3
 from socp_statics.exceptions import InputError
 from socp_statics.registry import nearest
@@ -18,15 +19,20 @@ if TYPE_CHECKING:
     from socp_statics.optimization import ForceAnswer
 
 
+Rate = Annotated[float, Field(description="a finite number [rad/s]")]
+
+
 class ContactForcesParameters(Parameters):
     """``[parameters]`` of a force optimisation."""
 
-    objective: Literal["least_squares", "normal_force", "reference"] = Field(
-        "least_squares", description="'least_squares', 'normal_force' or 'reference'"
+    objective: Literal["least_squares", "normal_force", "reference", "orin_oh"] = Field(
+        "least_squares", description="'least_squares', 'normal_force', 'reference' or 'orin_oh'"
     )
     reference_forces: dict[str, Vector3] | None = Field(
         None, description="a table of contact = [fx, fy, fz], finite numbers [N], world axes"
     )
+    rates: dict[str, Rate] | None = Field(None, description="a table of joint = rate [rad/s]")
+    b: float | None = Field(None, ge=0, description="a finite number >= 0 [m/s]")
 
     @model_validator(mode="after")
     def _reference_is_complete(self, info: ValidationInfo) -> Self:
@@ -41,19 +47,40 @@ class ContactForcesParameters(Parameters):
                 raise InputError(f"reference_forces names {name!r}, which is no contact{nearest(name, known)}", field="reference_forces")
         return self
 
+    @model_validator(mode="after")
+    def _rates_are_of_joints(self, info: ValidationInfo) -> Self:
+        for key in ("rates", "b"):
+            if getattr(self, key) is not None and self.objective != "orin_oh":
+                raise InputError(f"{key} goes with objective 'orin_oh', not with {self.objective!r}", field=key)
+        joints = joint_names(info)
+        if self.rates is not None and joints == ():
+            raise InputError("rates need a robot, and this posture has none", field="rates")
+        for joint in self.rates or {}:
+            if joints is not None and joint not in joints:
+                message = f"rates names {joint!r}, which is no joint of the robot{nearest(joint, joints)}"
+                raise InputError(message, field=key_text(("rates", joint)))
+        return self
 
-def force_answer_keys(found: ForceAnswer) -> dict[str, Any]:
+    def stated(self) -> dict[str, Any]:
+        """The parameters with defaults filled in; without ``rates`` every joint counts with 1 rad/s."""
+        weight = {"b": 1.0 if self.b is None else self.b} if self.objective == "orin_oh" else {}
+        return super().stated() | weight
+
+
+def force_answer_keys(found: ForceAnswer, stance: Stance) -> dict[str, Any]:
     """The record keys of an optimised choice of forces: the verdict's, with the optimal forces in place of the certificate's.
 
     Args:
         found: Of `socp_statics.optimization`.
+        stance: Its stance.
     """
-    keys = verdict_keys(found.equilibrium)
+    keys = verdict_keys(found.equilibrium, stance)
     return keys | {
         "status": found.status,
         "objective": found.objective,
         "wrenches": [] if found.forces is None else found.forces.wrenches(),
         "forces": [] if found.forces is None else found.forces.entries(),
+        **torque_keys(found, stance),
         "residuals": dict(found.residuals),
         "engine": found.engine,
         "handovers": found.handovers,
@@ -76,11 +103,13 @@ def answer(problem: Problem, stance: Stance, engine: str) -> dict[str, Any]:
         stance,
         stated["objective"],
         reference_forces=stated.get("reference_forces"),
+        rates=stated.get("rates"),
+        b=stated.get("b"),
         cone=problem.cone,
         form=stated["form"],
         engine=engine,
     )
-    return force_answer_keys(found)
+    return force_answer_keys(found, stance)
 
 
 ANSWER = Answer(ContactForcesParameters, answer, RECORD_KEYS | {"objective": None})

@@ -12,6 +12,7 @@ from socp_statics.cases.answers.safety import SAFETY_KEYS, safety_verdict
 if TYPE_CHECKING:
     from socp_statics.cases.problem import Problem
     from socp_statics.contacts import Stance
+    from socp_statics.optimization import ForceAnswer
     from socp_statics.stability import EquilibriumAnswer
 
 
@@ -21,11 +22,28 @@ class EquilibriumParameters(Parameters):
     safety: float | None = Field(None, ge=0, description="a finite length >= 0 [m]")
 
 
-def verdict_keys(answer: EquilibriumAnswer) -> dict[str, Any]:
+def torque_keys(answer: EquilibriumAnswer | ForceAnswer | None, stance: Stance) -> dict[str, Any]:
+    """The record keys of the joints; none without a robot.
+
+    Args:
+        answer: Whose forces the torques belong to; None where there is no answer.
+        stance: Its stance.
+
+    Returns:
+        "torques", empty where there are no forces, and "torque_limits", empty where none are in force.
+    """
+    if stance.posture is None:
+        return {}
+    limits = {} if stance.torque_limits is None else dict(zip(stance.posture.robot.joints, stance.torque_limits, strict=True))
+    return {"torques": dict(answer.torques or {}) if answer is not None else {}, "torque_limits": limits}
+
+
+def verdict_keys(answer: EquilibriumAnswer, stance: Stance) -> dict[str, Any]:
     """The record keys that every model shares with the verdict of its stance.
 
     Args:
         answer: Of `socp_statics.stability`.
+        stance: Its stance.
     """
     return {
         "status": answer.status,
@@ -38,6 +56,7 @@ def verdict_keys(answer: EquilibriumAnswer) -> dict[str, Any]:
         "idle_margin": answer.idle_margin,
         "wrenches": [] if answer.forces is None else answer.forces.wrenches(),
         "forces": [] if answer.forces is None else answer.forces.entries(),
+        **torque_keys(answer, stance),
         "certificate": None if answer.certificate is None else answer.certificate.as_record(),
         "residuals": dict(answer.residuals),
         "engine": answer.engine,
@@ -57,7 +76,7 @@ def answer(problem: Problem, stance: Stance, engine: str) -> dict[str, Any]:
     from socp_statics.stability import check_equilibrium
 
     stated, cone = problem.parameters, problem.cone
-    keys = verdict_keys(check_equilibrium(stance, cone=cone, form=stated["form"], engine=engine))
+    keys = verdict_keys(check_equilibrium(stance, cone=cone, form=stated["form"], engine=engine), stance)
     if "safety" in stated:
         from socp_statics.regions import trace_support_region
 

@@ -45,7 +45,7 @@ def answer(problem: Problem, stance: Stance, engine: str) -> dict[str, Any]:
         form=stated["form"],
         engine=engine,
     )
-    return force_answer_keys(found)
+    return force_answer_keys(found, stance)
 
 
 ANSWER = Answer(MinimaxWrenchParameters, answer, RECORD_KEYS | {"objective": None})

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 REGION_KEYS: dict[str, Any] = {
     "com_margin": None,
     "region": {
+        "posture": None,
         "kind": None,
         "inner": [VECTOR],
         "outer": [VECTOR],
@@ -63,7 +64,7 @@ def answer(problem: Problem, stance: Stance, engine: str) -> dict[str, Any]:
 
     stated, settings = problem.parameters, {"cone": problem.cone, "form": problem.parameters["form"], "engine": engine}
     region = trace_support_region(stance, stated["tolerance"], **settings)
-    keys = verdict_keys(check_equilibrium(stance, **settings))
+    keys = verdict_keys(check_equilibrium(stance, **settings), stance)
     com_margin = agree(region.com_margin, keys["verdict"])
     keys |= {
         "status": "solved",
