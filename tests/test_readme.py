@@ -39,7 +39,7 @@ def test_the_first_command_solves_and_draws(tmp_path, monkeypatch, capsys):
 
 
 def test_the_ten_line_program_runs(tmp_path, monkeypatch, capsys):
-    (program,) = blocks("python")
+    program = blocks("python")[0]
     assert len([line for line in program.splitlines() if line]) <= 11
     monkeypatch.chdir(tmp_path)
     exec(compile(program, "README", "exec"), {})  # noqa: S102
@@ -47,6 +47,12 @@ def test_the_ten_line_program_runs(tmp_path, monkeypatch, capsys):
     assert said[0].startswith("stable ")
     assert said[1].startswith("polygon ")
     assert (tmp_path / "region.png").exists()
+
+
+def test_the_robot_program_prints_what_the_readme_says(capsys):
+    exec(compile(blocks("python")[1], "README", "exec"), {})  # noqa: S102
+    (said,) = capsys.readouterr().out.splitlines()
+    assert f"prints `{said}`" in README
 
 
 def test_every_verb_of_the_table_exists_and_no_other_is_listed(capsys):

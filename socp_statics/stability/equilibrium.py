@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from socp_statics.certificates import ForcesCertificate, Motion, MotionCertificate, force_residuals, motion_certificate
+from socp_statics.certificates import ForcesCertificate, Motion, MotionCertificate, motion_certificate
 from socp_statics.certificates.contact_motion import contact_motion
 from socp_statics.cones.choice import ConeChoice, cone_choice
 from socp_statics.contacts import ContactSet, ExternalWrench, Stance
@@ -126,10 +126,9 @@ def _answer(data: StaticsData, cone: ConeChoice, margin: Margin, verdict: str, r
     forces: PointForces | None = None
     certificate: ForcesCertificate | MotionCertificate | None = None
     residuals = {"balance": 0.0, "cone": 0.0, "gap": margin.gap}
-    if margin.x is not None and verdict != "unstable":
+    if margin.x is not None and margin.held is not None and verdict != "unstable":
         forces = point_forces(data, margin.x)
-        held = force_residuals(data, cone, margin.x)
-        residuals |= {"balance": held.balance, "cone": held.cone}
+        residuals |= {"balance": margin.held.balance, "cone": margin.held.cone}
         certificate = ForcesCertificate() if verdict == "stable" else None
     elif verdict == "unstable":
         certificate = margin.certificate
@@ -165,8 +164,8 @@ def _at_the_boundary(
     value = reserve.value * part.units.force
     handovers = margin.handovers + reserve.handovers
     found: dict[str, Any] = {"idle": idle.names, "idle_margin": None if np.isnan(value) else value, "handovers": handovers}
-    if reserve.value * scale >= BOUNDARY and reserve.x is not None:
-        held = force_residuals(part, cone, reserve.x)
+    if reserve.value * scale >= BOUNDARY and reserve.x is not None and reserve.held is not None:
+        held = reserve.held
         forces = _with_idle_zero(stance, point_forces(part, reserve.x))
         residuals = {"balance": held.balance * scale, "cone": held.cone * scale, "gap": reserve.gap}
         found |= {"forces": forces, "torques": joint_torques_of(part, reserve.x), "residuals": residuals}

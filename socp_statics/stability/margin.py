@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from socp_statics.certificates import Motion, MotionCertificate, force_residuals, motion_certificate, motion_of
+from socp_statics.certificates import ForceResiduals, Motion, MotionCertificate, force_residuals, motion_certificate, motion_of
 from socp_statics.cones.choice import ConeChoice
 from socp_statics.engines import engines_for
 from socp_statics.engines.engine import Engine
@@ -32,6 +32,7 @@ class Margin:
         value: The margin; inf, -inf, or nan where the load is out of reach by too little to tell.
         x: Scaled forces that attain it (or exceed the boundary, where it is infinite), or None.
         certificate: The motion behind a negative margin, or None.
+        held: How well the forces keep their promises, or None.
         motion: Motion of the multipliers, or None.
         gap: Difference of primal and dual objective, relative.
         engine: Name of the engine that answered.
@@ -40,6 +41,7 @@ class Margin:
 
     value: float
     x: Array | None
+    held: ForceResiduals | None
     certificate: MotionCertificate | None
     motion: Motion | None
     gap: float
@@ -68,9 +70,9 @@ def normal_force_margin(data: StaticsData, cone: ConeChoice, form: str, engine: 
     outside = reach.outside(data.load)
     if outside > OUTSIDE:
         motion = motion_of(data, reach.null @ (reach.null.T @ data.load))
-        return Margin(-np.inf, None, motion_certificate(data, cone, motion), motion, 0.0, engines[0].name, 0)
+        return Margin(-np.inf, None, None, motion_certificate(data, cone, motion), motion, 0.0, engines[0].name, 0)
     if outside > INSIDE:
-        return Margin(np.nan, None, None, None, 0.0, engines[0].name, 0)
+        return Margin(np.nan, None, None, None, None, 0.0, engines[0].name, 0)
     for handovers, one in enumerate(engines):
         margin = _settled(data, cone, form, one, reach)
         if margin is not None:
@@ -82,7 +84,7 @@ def _settled(data: StaticsData, cone: ConeChoice, form: str, engine: Engine, rea
     """The margin by one engine, or None where its answer does not check."""
     compiled = engine.compile(MODEL, force_shape(data, cone, form, reach.rank))
     values = force_values(data, cone, reach.basis)
-    held: tuple[Array, float] | None = None
+    braced: Margin | None = None
     for cap in CAPS:
         solution = compiled.solve({**values, "cap": cap})
         if solution.status != SOLVED:
@@ -94,10 +96,11 @@ def _settled(data: StaticsData, cone: ConeChoice, form: str, engine: Engine, rea
         if t < cap * (1 - 1e-6):
             return _finite(data, cone, engine, reach, solution, x, t)
         x = balanced(data, x)
-        if held is None and max(force_residuals(data, cone, x)) <= FORCE_TOLERANCE:
-            held = x, solution.gap
-        if held is not None and _internal_force_inside(data, cone, form, engine, reach):
-            return Margin(np.inf, held[0], None, None, held[1], engine.name, 0)
+        held = force_residuals(data, cone, x)
+        if braced is None and max(held) <= FORCE_TOLERANCE:
+            braced = Margin(np.inf, x, held, None, None, solution.gap, engine.name, 0)
+        if braced is not None and _internal_force_inside(data, cone, form, engine, reach):
+            return braced
     return None
 
 
@@ -109,7 +112,7 @@ def _blocked(data: StaticsData, cone: ConeChoice, form: str, engine: Engine, rea
         return None
     motion = motion_of(data, reach.basis @ solution.duals["balance"], solution.duals.get("limits"))
     certificate = motion_certificate(data, cone, motion)
-    return None if certificate is None else Margin(-np.inf, None, certificate, motion, solution.gap, engine.name, 0)
+    return None if certificate is None else Margin(-np.inf, None, None, certificate, motion, solution.gap, engine.name, 0)
 
 
 def _finite(
@@ -119,16 +122,16 @@ def _finite(
     gap = solution.gap
     if gap > FORCE_TOLERANCE:
         return None
-    motion = motion_of(data, reach.basis @ solution.duals["balance"], solution.duals.get("limits"))
-    if t <= -BOUNDARY:
+    motion = motion_of(data, reach.basis @ solution.duals["balance"], solution.duals.get("limits")) if t < BOUNDARY else None
+    if motion is not None and t <= -BOUNDARY:
         certificate = motion_certificate(data, cone, motion)
-        return None if certificate is None else Margin(t, None, certificate, motion, gap, engine.name, 0)
+        return None if certificate is None else Margin(t, None, None, certificate, motion, gap, engine.name, 0)
     held = force_residuals(data, cone, x)
     # Where t is negative within the boundary, the forces leave their cones by t times slopes and numbers of points.
     lacking = max(-t, 0.0) * (1.0 + data.friction.max(initial=0.0)) * max(data.points, 1)
     if held.balance > FORCE_TOLERANCE or held.cone > FORCE_TOLERANCE + lacking:
         return None
-    return Margin(t, x, None, motion, gap, engine.name, 0)
+    return Margin(t, x, held, None, motion, gap, engine.name, 0)
 
 
 def balanced(data: StaticsData, x: Array) -> Array:
