@@ -33,8 +33,8 @@ def generate(
         at: Position of its contact, shape (3,) [m].
         friction: Coulomb coefficient.
         knee: Knee angle of both legs, hip and ankle at minus half of it [rad].
-        lean: Roll of the supporting leg towards its own side, at the ankle, undone at the hip: 0.2 brings HOAP-2 over its foot [rad].
-        lift: Further knee angle of the free leg, half of it at its hip [rad].
+        lean: Roll of both legs towards the supporting side at the ankles, undone at the hips: 0.2 brings HOAP-2 over its foot [rad].
+        lift: Further knee angle of the free leg, hip and ankle at minus half of it as far as the ankle goes [rad].
         arms: "down" or "forward".
 
     Returns:
@@ -49,11 +49,11 @@ def generate(
         message = f"single_stance: support must be one of {', '.join(feet)}, got {list(names)}"
         raise InputError(message, name="single_stance", field="support")
     angles, roles = arm_angles(robot, arms), joint_roles(robot)
+    towards = 1.0 if feet[names[0]] == "left" else -1.0
     for foot, side in feet.items():
-        supports, outward = foot == names[0], 1.0 if side == "left" else -1.0
-        angles |= bent_leg(robot, side, knee)
-        if not supports:
-            angles |= {roles[f"{side}_hip_pitch"]: -(knee + lift) / 2, roles[f"{side}_knee_pitch"]: knee + lift}
-        else:
-            angles |= {roles[f"{side}_hip_roll"]: -outward * lean, roles[f"{side}_ankle_roll"]: outward * lean}
+        angles |= bent_leg(robot, side, knee if foot == names[0] else knee + lift)
+        # Parallel legs keep the free sole level, beside the other and, with any lift, above the ground.
+        angles |= {roles[f"{side}_hip_roll"]: -towards * lean, roles[f"{side}_ankle_roll"]: towards * lean}
+    ankle = roles[f"{'right' if towards > 0 else 'left'}_ankle_pitch"]
+    angles[ankle] = max(angles[ankle], float(robot.lower[robot.joint_index(ankle)]))
     return on_level_ground(pose(robot, angles, names, friction, at), "single_stance")
