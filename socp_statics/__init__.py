@@ -41,6 +41,9 @@ _HOMES = {
     "Record": "cases.record",
     "compare_regions": "comparison",
     "draw": "figures",
+    "draw_robot": "figures",
+    "draw_torques": "figures",
+    "robot_views": "figures",
 }
 
 if TYPE_CHECKING:
@@ -63,6 +66,9 @@ if TYPE_CHECKING:
     from socp_statics.exceptions import InputError as InputError
     from socp_statics.exceptions import StaticsError as StaticsError
     from socp_statics.figures import draw as draw
+    from socp_statics.figures import draw_robot as draw_robot
+    from socp_statics.figures import draw_torques as draw_torques
+    from socp_statics.figures import robot_views as robot_views
     from socp_statics.optimization import minimise_largest_wrench as minimise_largest_wrench
     from socp_statics.optimization import minimise_torque_use as minimise_torque_use
     from socp_statics.optimization import optimise_contact_forces as optimise_contact_forces

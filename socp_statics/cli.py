@@ -203,7 +203,7 @@ def _draw(problem: Problem, record: Record, path: Path, engine: str) -> None:
         regions = None
     try:
         with finished_or_absent(path) as draft:
-            save_figure(record, draft, regions=regions)
+            save_figure(record, draft, regions=regions, posture=problem.robot_posture)
     except OSError as error:
         raise StaticsError(
             f"--figure {path}: the figure could not be written ({error.strerror})", name=str(path), field="--figure"

@@ -1,4 +1,4 @@
-"""Pictures of stances, regions and answers. They draw what was computed; nothing here solves."""
+"""Pictures of stances, regions, robots and answers. They draw what was computed; nothing here solves."""
 
 from __future__ import annotations
 
@@ -15,12 +15,16 @@ from socp_statics.figures.answer_figure import save_figure as save_figure
 from socp_statics.figures.draw_motion import draw_motion as draw_motion
 from socp_statics.figures.draw_region import draw_base_of_support as draw_base_of_support
 from socp_statics.figures.draw_region import draw_region as draw_region
+from socp_statics.figures.draw_robot import draw_robot as draw_robot
+from socp_statics.figures.draw_robot import robot_views as robot_views
 from socp_statics.figures.draw_stance import draw_stance as draw_stance
+from socp_statics.figures.draw_torques import draw_torques as draw_torques
+from socp_statics.postures import Posture
 from socp_statics.regions import BaseOfSupport, SupportRegion
 
 
-def draw(thing: SupportRegion | Stance | ContactSet | BaseOfSupport | Mapping[str, Any], ax: Axes | None = None) -> Axes:
-    """Draw a region, a stance, contacts, a base of support or a record on the floor plan.
+def draw(thing: SupportRegion | Stance | ContactSet | BaseOfSupport | Posture | Mapping[str, Any], ax: Axes | None = None) -> Axes:
+    """Draw a region, a stance, contacts, a base of support or a record on the floor plan; a posture from the robot's side.
 
     Args:
         thing: What to draw.
@@ -38,7 +42,9 @@ def draw(thing: SupportRegion | Stance | ContactSet | BaseOfSupport | Mapping[st
         return draw_stance(thing, ax)
     if isinstance(thing, BaseOfSupport):
         return draw_base_of_support(thing, ax)
+    if isinstance(thing, Posture):
+        return draw_robot(thing, ax)
     if isinstance(thing, Mapping):
         return draw_answer(thing, ax)
-    expected = "a support region, a stance, contacts, a base of support or a record is expected"
+    expected = "a support region, a stance, contacts, a base of support, a posture or a record is expected"
     raise InputError(f"draw: {expected}, got {type(thing).__name__}", name="draw", field="thing")

@@ -11,11 +11,12 @@ from matplotlib.axes import Axes
 from socp_statics.certificates import MotionCertificate
 from socp_statics.contacts import ContactSet, Stance
 from socp_statics.figures.draw_stance import PLAN, add_contacts
-from socp_statics.figures.layout import Words, arrange, new_axes, sheet_of
+from socp_statics.figures.layout import Row, Words, arrange, new_axes, sheet_of
 from socp_statics.figures.marks import DOWN, OVER, UP, add_arrow, add_com, add_dots, add_line
 from socp_statics.figures.place_names import place_names
 from socp_statics.figures.style import VERMILLION, house_style
 from socp_statics.figures.window import Window, around, choose_window, label_axes, show_window
+from socp_statics.postures import Posture
 from socp_statics.spatial import Array
 
 NOTHING = 0.02
@@ -39,10 +40,10 @@ def draw_motion(motion: MotionCertificate | Mapping[str, Any], stance: Stance, a
         own = new_axes() if ax is None else ax
         add_contacts(own, stance.contacts, window)
         add_com(own, stance.com[:2])
-        window = add_motion(own, entry, stance.contacts, stance.com, window)
+        window = add_motion(own, entry, stance.contacts, stance.com, window, posture=stance.posture)
         label_axes(own)
         if ax is None:
-            arrange(sheet_of(own), [(own, window)], words=[Words(entry["reading"], VERMILLION)])
+            arrange(sheet_of(own), [Row((own,), (window,))], words=[Words(entry["reading"], VERMILLION)])
         else:
             show_window(own, window)
         place_names(own, {c.name: c.points_W[:, :2] for c in stance.contacts})
@@ -50,29 +51,45 @@ def draw_motion(motion: MotionCertificate | Mapping[str, Any], stance: Stance, a
 
 
 def add_motion(
-    ax: Axes, motion: Mapping[str, Any], contacts: ContactSet, com: Array, window: Window, axes: tuple[int, int] = PLAN
+    ax: Axes,
+    motion: Mapping[str, Any],
+    contacts: ContactSet,
+    com: Array,
+    window: Window,
+    axes: tuple[int, int] = PLAN,
+    posture: Posture | None = None,
+    to_scale: bool = False,
 ) -> Window:
-    """Add velocities of the contact points and of the centre of mass, and the axis of rotation.
+    """Add velocities of the contact points and of the centre of mass, and the axis of rotation of a rigid motion.
 
     Args:
         ax: The axes.
-        motion: Mapping with "linear" [m/s], "angular" [rad/s] and "point" [m], world axes.
+        motion: Mapping with "linear" [m/s], "angular" [rad/s] and "point" [m], world axes, and "joints" [rad/s] where joints move.
         contacts: The contacts.
         com: Centre of mass, shape (3,) [m].
         window: What the figure shows.
         axes: The two world axes of the drawing plane; (0, 1) looks from above.
+        posture: The posture; without it nothing is drawn of a motion in which joints move.
+
+        to_scale: Whether an arrow of the fastest velocity in space has the fixed length, so that views can be compared; else the
+            longest arrow has it.
 
     Returns:
         The window, grown where an arrow needs it.
     """
+    joints = motion.get("joints") or {}
+    if joints and posture is None:
+        return window
     linear, angular, point = (np.asarray(motion[key], dtype=float) for key in ("linear", "angular", "point"))
     bodies = np.vstack([contacts.points_W, com])
     velocity = linear + np.cross(angular, bodies - point)
+    if posture is not None and joints:
+        velocity = velocity + _joint_velocity(posture, joints, contacts)
     fastest = float(np.linalg.norm(velocity, axis=1).max())
     if not fastest > 0.0:
         return window
     flat = velocity[:, axes]
-    longest = float(np.linalg.norm(flat, axis=1).max())
+    longest = fastest if to_scale else float(np.linalg.norm(flat, axis=1).max())
     label: str | None = "certified motion"
     seen = [np.array([[window.x_min, window.y_min], [window.x_max, window.y_max]])]
     for body, v in zip(bodies[:, axes], flat, strict=True):
@@ -85,9 +102,19 @@ def add_motion(
     if axes == PLAN:
         _add_heave(ax, contacts.points_W, velocity[:-1, 2] / fastest)
     size = float(np.linalg.norm(bodies - bodies.mean(axis=0), axis=1).max())
-    if np.linalg.norm(angular) * size > NOTHING * fastest:
+    if not joints and np.linalg.norm(angular) * size > NOTHING * fastest:
         _add_axis(ax, linear, angular, point, window, axes)
     return window
+
+
+def _joint_velocity(posture: Posture, joints: Mapping[str, float], contacts: ContactSet) -> Array:
+    """What joint rates add to the velocities of the contact points and of the centre of mass, shape (n + 1, 3) [m/s]."""
+    rates = np.array([joints.get(joint, 0.0) for joint in posture.robot.joints])
+    parts = []
+    for contact in contacts:
+        frame = posture.jacobian[contact.name] @ rates
+        parts.append(frame[:3] + np.cross(frame[3:], contact.points_W - contact.position))
+    return np.vstack([*parts, posture.com_jacobian @ rates])
 
 
 def _add_heave(ax: Axes, points: Array, rate: Array) -> None:

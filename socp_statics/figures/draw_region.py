@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle
 
-from socp_statics.figures.layout import Words, arrange, new_axes, sheet_of
+from socp_statics.figures.layout import Row, Words, arrange, new_axes, sheet_of
 from socp_statics.figures.marks import add_arrow, add_dots, add_filled, add_line
 from socp_statics.figures.quantities import area_text, length_text
 from socp_statics.figures.region_shape import RegionShape, shape_of_region
@@ -41,7 +41,7 @@ def draw_region(region: SupportRegion, ax: Axes | None = None) -> Axes:
         add_rays(own, shape, window)
         label_axes(own)
         if ax is None:
-            arrange(sheet_of(own), [(own, window)], words=[Words("the region is empty")] if shape.kind == "empty" else [])
+            arrange(sheet_of(own), [Row((own,), (window,))], words=[Words("the region is empty")] if shape.kind == "empty" else [])
         else:
             show_window(own, window)
     return own
@@ -63,7 +63,7 @@ def draw_base_of_support(base: BaseOfSupport, ax: Axes | None = None) -> Axes:
         add_base_of_support(own, base)
         label_axes(own)
         if ax is None:
-            arrange(sheet_of(own), [(own, window)])
+            arrange(sheet_of(own), [Row((own,), (window,))])
         else:
             show_window(own, window)
     return own

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from socp_statics.contacts import Contact, ContactSet, Stance
-from socp_statics.figures.layout import SHEET_AXES, arrange, new_axes, sheet_of
+from socp_statics.figures.layout import SHEET_AXES, Row, arrange, new_axes, sheet_of
 from socp_statics.figures.marks import add_arrow, add_com, add_dots, add_filled, add_line
 from socp_statics.figures.place_names import place_names, with_room_for_names
 from socp_statics.figures.quantities import force_text
@@ -51,7 +51,7 @@ def draw_stance(
         add_forces(own, pushes, window, color=GREY, words="load")
         label_axes(own)
         if ax is None:
-            arrange(sheet_of(own), [(own, window)])
+            arrange(sheet_of(own), [Row((own,), (window,))])
         else:
             show_window(own, window)
         place_names(own, named)
@@ -71,8 +71,7 @@ def add_contacts(ax: Axes, contacts: Iterable[Contact], window: Window, axes: tu
     said: set[str] = set()
     for contact in contacts:
         points = contact.points_W[:, axes]
-        words = "handle" if not contact.unilateral else "contact without friction" if contact.frictionless else "contact"
-        label = _once(words, said)
+        label = once(contact_words(contact), said)
         if not contact.unilateral:
             add_dots(ax, points, "s", 5.0, markerfacecolor=SOLE, markeredgecolor="#333333", zorder=2.2, label=label)
         elif len(points) > 2 and width(points - points[0]) > 1e-6 * window.span:
@@ -87,10 +86,15 @@ def add_contacts(ax: Axes, contacts: Iterable[Contact], window: Window, axes: tu
         if normals and (axes != PLAN or float(np.linalg.norm(lean)) > LEVEL):
             start = contact.points_W.mean(axis=0)[list(axes)]
             head = start + 0.11 * window.span * lean
-            add_arrow(ax, start, head, head_size=5.0, color="#333333", linewidth=0.7, zorder=2.5, label=_once("contact normal", said))
+            add_arrow(ax, start, head, head_size=5.0, color="#333333", linewidth=0.7, zorder=2.5, label=once("contact normal", said))
 
 
-def _once(words: str, said: set[str]) -> str | None:
+def contact_words(contact: Contact) -> str:
+    """What the legend calls a contact."""
+    return "handle" if not contact.unilateral else "contact without friction" if contact.frictionless else "contact"
+
+
+def once(words: str, said: set[str]) -> str | None:
     """A label for the first of its kind, none for those that follow."""
     if words in said:
         return None
@@ -114,6 +118,7 @@ def add_forces(
     axes: tuple[int, int] = PLAN,
     longest: float | None = None,
     share: float = 0.22,
+    most: float | None = None,
 ) -> None:
     """Add forces as arrows from their points, the longest a fixed share of the view.
 
@@ -122,22 +127,45 @@ def add_forces(
         forces: Mappings with "point" [m] and "force" [N], shape (3,) each.
         window: What the figure shows.
         color: Of the arrows.
-        words: For the legend, which adds the size of the largest force.
+        words: For the legend, which adds a size.
         axes: The two world axes they are projected on.
         longest: The force drawn longest; by default the largest of these, projected [N].
         share: Length of that force over the span of the view.
+        most: The size in the legend; by default that of the largest of these [N].
     """
     entries = [(np.asarray(f["point"], dtype=float)[list(axes)], np.asarray(f["force"], dtype=float)) for f in forces]
     sizes = [float(np.linalg.norm(f[list(axes)])) for _, f in entries]
-    most = longest or max(sizes, default=0.0)
-    if not entries or not most > 0.0:
+    scale = longest or max(sizes, default=0.0)
+    if not entries or not scale > 0.0:
         return
-    label: str | None = f"{words} {force_text(max(float(np.linalg.norm(f)) for _, f in entries))}"
+    label: str | None = f"{words} {force_text(most or max(float(np.linalg.norm(f)) for _, f in entries))}"
     for (point, force), size in zip(entries, sizes, strict=True):
-        if size > 0.02 * most:
-            head = point + share * window.span * force[list(axes)] / most
+        if size > 0.02 * scale:
+            head = point + share * window.span * force[list(axes)] / scale
             add_arrow(ax, point, head, color=color, linewidth=1.1, zorder=5.0, label=label)
             label = None
+
+
+def merged(forces: Iterable[Mapping[str, Any]], axes: tuple[int, int]) -> list[dict[str, Any]]:
+    """Forces whose points lie behind each other in a view, added up.
+
+    Args:
+        forces: Mappings with "point" [m] and "force" [N], shape (3,) each.
+        axes: The two world axes of the drawing plane.
+
+    Returns:
+        Mappings of the same keys.
+    """
+    out: list[dict[str, Any]] = []
+    for f in forces:
+        point, force = np.asarray(f["point"], dtype=float), np.asarray(f["force"], dtype=float)
+        for other in out:
+            if np.abs((other["point"] - point)[list(axes)]).max() <= 1e-9 * (1.0 + np.abs(point).max()):
+                other["force"] = other["force"] + force
+                break
+        else:
+            out.append({"point": point, "force": force})
+    return out
 
 
 def add_com_or_direction(ax: Axes, com: Array, window: Window) -> None:

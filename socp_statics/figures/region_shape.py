@@ -24,6 +24,7 @@ class RegionShape(NamedTuple):
         area: Of the inner polygon [m^2].
         com_margin: Margin of its own centre of mass [m], inf, or None where it is not known.
         cone: Exact cones or pyramids.
+        frozen: Whether torque limits count, for one posture.
     """
 
     kind: str
@@ -33,12 +34,13 @@ class RegionShape(NamedTuple):
     area: float
     com_margin: float | None
     cone: ConeChoice
+    frozen: bool = False
 
     @property
     def words(self) -> str:
         """What the legend says: cones and area, or the length of a segment."""
         exact = self.cone.kind == "exact"
-        name = "exact region" if exact else f"{self.cone.kind}, {self.cone.sides} sides"
+        name = ("torque-limited region" if self.frozen else "exact region") if exact else f"{self.cone.kind}, {self.cone.sides} sides"
         if self.kind == "polygon":
             return f"{name}, {area_text(self.area)}"
         if self.kind == "segment":
@@ -48,7 +50,8 @@ class RegionShape(NamedTuple):
 
 def shape_of_region(region: SupportRegion) -> RegionShape:
     """The shape of an answer object."""
-    return RegionShape(region.kind, region.inner, region.outer, region.rays, region.inner_area, region.com_margin, region.cone)
+    return RegionShape(region.kind, region.inner, region.outer, region.rays, region.inner_area, region.com_margin, region.cone,
+                       region.frozen)  # fmt: skip
 
 
 def shape_in_record(record: Mapping[str, Any]) -> RegionShape | None:
@@ -59,4 +62,5 @@ def shape_in_record(record: Mapping[str, Any]) -> RegionShape | None:
     margin = record.get("com_margin")
     inner, outer, rays = (np.array(region[key], dtype=float).reshape(-1, 2) for key in ("inner", "outer", "rays"))
     choice = ConeChoice(cone["kind"], cone["sides"], cone["heading"])
-    return RegionShape(region["kind"], inner, outer, rays, region["inner_area"], None if margin is None else float(margin), choice)
+    return RegionShape(region["kind"], inner, outer, rays, region["inner_area"], None if margin is None else float(margin), choice,
+                       region.get("posture") == "frozen")  # fmt: skip

@@ -8,7 +8,7 @@ from typing import Any
 
 import matplotlib
 
-COLUMN = 3.4
+COLUMN, TWO_COLUMNS = 3.4, 7.0
 DPI = 300
 
 BLACK = "#000000"
