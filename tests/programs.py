@@ -23,6 +23,7 @@ from socp_statics.contacts import (
 from socp_statics.models import MODELS
 from socp_statics.models.contact_forces import ContactForcesShape
 from socp_statics.models.contact_forces_set import force_shape, force_values
+from socp_statics.models.hard_rows import hard_values
 from socp_statics.models.minimax_wrench import MinimaxShape
 from socp_statics.models.orin_oh import OrinOhShape
 from socp_statics.models.support_region import RegionShape
@@ -181,7 +182,7 @@ def _orin_oh(data, reach, shape, values):
 
 
 def _hard_rows(data, reach, shape, values):
-    return {"": (shape, values)}
+    return {"": hard_values(data, reach.basis)}
 
 
 def _margin(data, reach, shape, values):

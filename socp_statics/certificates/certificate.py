@@ -41,7 +41,7 @@ class MotionCertificate:
         self._data, self._motion, self._at_contacts = data, motion, at_contacts
         self.linear, self.angular = data.units.twist_in_si(motion.twist)
         self.point = data.units.origin.copy()
-        self.power = power * data.units.force
+        self.power = float(power * data.units.force)
         names, length = data.torques.names, data.units.length
         self.joints = {names[k]: float(motion.joints[k] / length) for k in np.flatnonzero(np.abs(motion.joints) > STILL)}
 

@@ -9,6 +9,7 @@ import numpy as np
 from socp_statics.exceptions import InputError
 from socp_statics.spatial import Array
 
+
 def vector(name: str, field: str, value: Any, size: int, *, shape: tuple[int, ...] | None = None, kind: str = "contact") -> Array:
     """A finite vector or matrix.
 

@@ -19,7 +19,7 @@ NAME = "clarabel"
 TOLERANCE = 1e-11
 ACCEPTED = 1e-8
 INFEASIBLE_TOLERANCE = 1e-10
-FINE_REGULARISATION = 1e-10
+OTHER_REGULARISATIONS = (1e-10, 1e-7)
 STATUS = {
     "Solved": SOLVED,
     "AlmostSolved": SOLVED,
@@ -94,11 +94,13 @@ class Session:
                 self._solver.update(**{key: value for key, value in self._data._asdict().items() if key != "P" or value.nnz})
                 self._offset = form.offset(p)
         solution = CompiledSolution(self._form, self._data, self._offset, self._solver.solve())
-        if solution.status == FAILED:
-            # A set with hardly any interior is lost in Clarabel's usual regularisation.
-            finer = solver_settings()
-            finer.static_regularization_constant = FINE_REGULARISATION
-            raw = clarabel.DefaultSolver(*self._data, clarabel_cones(self._form.cones), finer).solve()
+        for regularisation in OTHER_REGULARISATIONS:
+            if solution.status != FAILED:
+                break
+            # Sets with hardly any interior are lost in Clarabel's usual regularisation, rows that nearly repeat each other need more.
+            settings = solver_settings()
+            settings.static_regularization_constant = regularisation
+            raw = clarabel.DefaultSolver(*self._data, clarabel_cones(self._form.cones), settings).solve()
             solution = CompiledSolution(self._form, self._data, self._offset, raw)
         return solution
 

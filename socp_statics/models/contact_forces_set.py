@@ -189,7 +189,7 @@ def admissible(forces: Forces, reserve: cp.Expression | float = 0.0) -> dict[str
     Returns:
         Constraints by name.
     """
-    return {**_cones(forces, reserve), **_bounds(forces, reserve), **hard_rows(forces)}
+    return {**_cones(forces, reserve), **_bounds(forces, reserve), **_hard_rows(forces)}
 
 
 def _cones(forces: Forces, reserve: cp.Expression | float) -> dict[str, cp.Constraint]:
@@ -256,15 +256,12 @@ def _bounds(forces: Forces, reserve: cp.Expression | float) -> dict[str, cp.Cons
     return out
 
 
-def hard_rows(forces: Forces, relaxation: cp.Expression | float = 0.0) -> dict[str, cp.Constraint]:
-    """The rows that no reserve shifts: equal bounds, and limits ``H x <= d``; both relaxed by a scalar expression where one is given."""
+def _hard_rows(forces: Forces) -> dict[str, cp.Constraint]:
+    """The rows that no reserve shifts: equal bounds and limits ``H x <= d``."""
     s = forces.shape
     out: dict[str, cp.Constraint] = {}
     if s.equal:
-        off = cp.Parameter((s.equal, s.points), name="S_equal") @ forces.f_n - cp.Parameter(s.equal, name="equal")
-        exact = isinstance(relaxation, float)
-        out["equal_bound"] = off == 0 if exact else cp.hstack([off, -off]) <= relaxation
+        out["equal_bound"] = cp.Parameter((s.equal, s.points), name="S_equal") @ forces.f_n == cp.Parameter(s.equal, name="equal")
     if s.limits:
-        limit = cp.Parameter(s.limits, name="limit")
-        out["limits"] = cp.Parameter((s.limits, s.columns), name="H") @ forces.x <= limit + relaxation
+        out["limits"] = cp.Parameter((s.limits, s.columns), name="H") @ forces.x <= cp.Parameter(s.limits, name="limit")
     return out

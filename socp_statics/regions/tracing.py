@@ -17,6 +17,8 @@ from socp_statics.engines.solution import INFEASIBLE, SOLVED, UNBOUNDED, Solutio
 from socp_statics.exceptions import EngineError, InputError
 from socp_statics.models.contact_forces_set import force_shape, force_values
 from socp_statics.models.equilibrium import MODEL as EQUILIBRIUM
+from socp_statics.models.hard_rows import MODEL as HARD_ROWS
+from socp_statics.models.hard_rows import hard_values
 from socp_statics.models.largest_reserve import MODEL as LARGEST_RESERVE
 from socp_statics.models.support_region import RegionShape
 from socp_statics.regions import polygon
@@ -120,6 +122,11 @@ class _Tracer:
         if not shape.coordinates:
             raise error
         start = self.data.load + self.data.com_load @ (self.plane.origin - self.data.com[:2])
+        hard, rows = hard_values(self.data, self.plane.basis, start, self.data.com_load @ self.plane.axes)
+        missing = self.engine.compile(HARD_ROWS, hard).solve(rows)
+        self.solves += 1
+        if missing.status == SOLVED and missing.objective > BOUNDARY:
+            return self._empty()
         values = force_values(self.data, self.cone, self.plane.basis) | {
             "load": self.plane.basis.T @ start,
             "D": self.plane.basis.T @ self.data.com_load @ self.plane.axes,

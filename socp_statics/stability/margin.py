@@ -15,6 +15,7 @@ from socp_statics.exceptions import EngineError
 from socp_statics.models.contact_forces_set import force_shape, force_values
 from socp_statics.models.equilibrium import MODEL
 from socp_statics.models.hard_rows import MODEL as HARD_ROWS
+from socp_statics.models.hard_rows import hard_values
 from socp_statics.spatial import Array
 from socp_statics.statics.statics_data import StaticsData
 from socp_statics.statics.wrench_range import INSIDE, OUTSIDE, WrenchRange, wrench_range
@@ -88,7 +89,7 @@ def _settled(data: StaticsData, cone: ConeChoice, form: str, engine: Engine, rea
     for cap in CAPS:
         solution = compiled.solve({**values, "cap": cap})
         if solution.status != SOLVED:
-            blocked = _blocked(data, cone, form, engine, reach)
+            blocked = _blocked(data, cone, engine, reach)
             if blocked is not None:
                 return blocked
             continue
@@ -104,10 +105,10 @@ def _settled(data: StaticsData, cone: ConeChoice, form: str, engine: Engine, rea
     return None
 
 
-def _blocked(data: StaticsData, cone: ConeChoice, form: str, engine: Engine, reach: WrenchRange) -> Margin | None:
+def _blocked(data: StaticsData, cone: ConeChoice, engine: Engine, reach: WrenchRange) -> Margin | None:
     """The margin -inf where balance and hard rows cannot be met for any reserve, with the motion that shows it."""
-    compiled = engine.compile(HARD_ROWS, force_shape(data, cone, form, reach.rank))
-    solution = compiled.solve(force_values(data, cone, reach.basis))
+    shape, values = hard_values(data, reach.basis)
+    solution = engine.compile(HARD_ROWS, shape).solve(values)
     if solution.status != SOLVED or solution.objective <= FORCE_TOLERANCE:
         return None
     motion = motion_of(data, reach.basis @ solution.duals["balance"], solution.duals.get("limits"))
