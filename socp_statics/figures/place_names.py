@@ -7,11 +7,11 @@ from functools import cache
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.font_manager import FontProperties
+from matplotlib.font_manager import FontProperties, findfont, get_font
+from matplotlib.ft2font import LoadFlags
 from matplotlib.lines import Line2D
 from matplotlib.patches import FancyArrowPatch, Patch
 from matplotlib.patheffects import withStroke
-from matplotlib.textpath import TextPath
 
 from socp_statics.figures.window import Window
 from socp_statics.spatial import Array
@@ -24,7 +24,15 @@ STEP = 2.0
 @cache
 def text_width(words: str, size: float = SIZE, weight: str = "normal") -> float:
     """Width of a line of text in points."""
-    return float(TextPath((0, 0), words, size=size, prop=FontProperties(family="DejaVu Sans", weight=weight)).get_extents().width)
+    font = get_font(_font_file(weight))
+    font.set_size(size, 72)
+    font.set_text(words, 0.0, flags=LoadFlags.NO_HINTING)
+    return font.get_width_height()[0] / 64.0
+
+
+@cache
+def _font_file(weight: str) -> str:
+    return findfont(FontProperties(family="DejaVu Sans", weight=weight))
 
 
 def with_room_for_names(window: Window, points: Mapping[str, Array], inches: float) -> Window:
