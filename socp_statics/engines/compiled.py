@@ -147,7 +147,7 @@ class CompiledSolution:
     def variable(self, name: str) -> Sequence[float]:
         """One variable without the others."""
         x = self._raw.x
-        return [x[i] for i in self._form.variable_index[name].ravel()]
+        return [x[i] for i in self._form.variable_places[name]]
 
     @cached_property
     def duals(self) -> Mapping[str, Array]:

@@ -115,6 +115,7 @@ class ConicForm:
             seen.append((variables, duals))
         (v1, d1), (v2, d2) = seen
         self.variable_index = {k: np.rint(v2[k] / v1[k]).astype(int) - 1 for k in v1}
+        self.variable_places = {k: tuple(index.ravel().tolist()) for k, index in self.variable_index.items()}
         self.dual_index = {k: np.rint(d2[k] / d1[k]).astype(int) - 1 for k in d1}
         self.dual_scale = {k: d1[k] / (self.dual_index[k] + 1.0) for k in d1}
 

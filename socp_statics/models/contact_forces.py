@@ -30,7 +30,7 @@ def declare(shape: ContactForcesShape) -> Program:
     """The force optimisation program."""
     forces = declare_forces(shape.forces)
     constraints = {"balance": wrench(forces) == -load(forces), **admissible(forces)}
-    variables = {"x": forces.x}
+    variables = forces.variables
     if shape.objective == "normal_force":
         cost = cp.sum(forces.f_n) if shape.forces.points else cp.Constant(0.0)
     else:

@@ -6,7 +6,7 @@
     |m_n| <= gamma f_n                    box soft fingers, with their circular cone      (3.11)
     f_n >= 0                              frictionless points
     lo <= sum of a contact's f_n <= hi    bounds
-    H x <= d                              hard rows: handle limits
+    H x <= d                              hard rows: handle limits, torque limits
 
 Every cone can be shifted by a reserve t of normal force: ``f - t n`` in K and ``lo + t <= N <= hi - t``.
 """
@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 import cvxpy as cp
 import numpy as np
+from numpy.typing import NDArray
 
 from socp_statics.cones.choice import ConeChoice
 from socp_statics.exceptions import InputError
@@ -39,6 +40,7 @@ class ForceShape(NamedTuple):
     upper: int
     equal: int
     limits: int
+    joints: int
     sides: int
     inscribed: bool
     form: str
@@ -79,6 +81,21 @@ def bound_rows(data: StaticsData) -> BoundRows:
     return BoundRows(sums[~equal], lo[~equal], sums[upper], hi[upper], sums[equal], lo[equal])
 
 
+def paired_joints(data: StaticsData) -> NDArray[np.int_]:
+    """Joints whose torque rows come in pairs, so that one variable y = T x a joint keeps the program sparse.
+
+    Args:
+        data: The stance's arrays.
+
+    Returns:
+        Indices of the limited joints; none where an end is infinite or the hard rows are not all of the torque limits.
+    """
+    finite = np.isfinite(data.torques.limits)
+    limited = np.flatnonzero(finite.any(axis=1))
+    pairs = bool(finite[limited].all()) and len(data.limit_values) - data.handle_limits == 2 * len(limited)
+    return limited if pairs else limited[:0]
+
+
 def force_shape(data: StaticsData, cone: ConeChoice, form: str, rows: int) -> ForceShape:
     """Structure of the set of a stance.
 
@@ -110,6 +127,7 @@ def force_shape(data: StaticsData, cone: ConeChoice, form: str, rows: int) -> Fo
         upper=len(bounds.upper),
         equal=len(bounds.equal),
         limits=len(data.limit_values),
+        joints=len(paired_joints(data)),
         sides=cone.sides or 0,
         inscribed=inscribed,
         form=form if cone.kind == "exact" else "socp",
@@ -129,6 +147,7 @@ def force_values(data: StaticsData, cone: ConeChoice, basis: Array) -> dict[str,
     """
     bounds = bound_rows(data)
     mu = data.friction * (1.0 if cone.kind == "exact" else cone.slope_factor())
+    joints = paired_joints(data)
     soft_mu = mu[data.circular - data.box : data.slipping]
     values = {
         "G": basis.T @ data.wrench_map,
@@ -142,7 +161,8 @@ def force_values(data: StaticsData, cone: ConeChoice, basis: Array) -> dict[str,
         "hi": bounds.upper_values,
         "S_equal": bounds.equal,
         "equal": bounds.equal_values,
-        "H": data.limit_rows,
+        "H": data.limit_rows if not len(joints) else data.limit_rows[: data.handle_limits],
+        "T": data.torques.map[joints] if len(joints) else np.zeros((0, 0)),
         "limit": data.limit_values,
     }
     if cone.kind != "exact":
@@ -157,7 +177,13 @@ class Forces(NamedTuple):
     f_t: cp.Expression
     f_n: cp.Expression
     m_n: cp.Expression
+    y: cp.Variable | None
     shape: ForceShape
+
+    @property
+    def variables(self) -> dict[str, cp.Variable]:
+        """Variables by symbol: x, and y = T x where torque limits come in pairs."""
+        return {"x": self.x} if self.y is None else {"x": self.x, "y": self.y}
 
 
 def declare_forces(shape: ForceShape) -> Forces:
@@ -166,7 +192,8 @@ def declare_forces(shape: ForceShape) -> Forces:
     x = cp.Variable(s.columns, name="x")
     ends = np.cumsum([0, 2 * s.slipping, s.points, s.box + s.elliptic])
     f_t, f_n, m_n = (x[a:b] if b > a else cp.Constant(np.zeros(0)) for a, b in zip(ends[:-1], ends[1:], strict=True))
-    return Forces(x, cp.reshape(f_t, (2, s.slipping), order="F") if s.slipping else f_t, f_n, m_n, s)
+    y = cp.Variable(s.joints, name="y") if s.joints else None
+    return Forces(x, cp.reshape(f_t, (2, s.slipping), order="F") if s.slipping else f_t, f_n, m_n, y, s)
 
 
 def wrench(forces: Forces) -> cp.Expression:
@@ -263,5 +290,11 @@ def _hard_rows(forces: Forces) -> dict[str, cp.Constraint]:
     if s.equal:
         out["equal_bound"] = cp.Parameter((s.equal, s.points), name="S_equal") @ forces.f_n == cp.Parameter(s.equal, name="equal")
     if s.limits:
-        out["limits"] = cp.Parameter((s.limits, s.columns), name="H") @ forces.x <= cp.Parameter(s.limits, name="limit")
+        limit = cp.Parameter(s.limits, name="limit")
+        handles = s.limits - 2 * s.joints
+        rows = [cp.Parameter((handles, s.columns), name="H") @ forces.x] if handles else []
+        if forces.y is not None:
+            out["joints"] = forces.y == cp.Parameter((s.joints, s.columns), name="T") @ forces.x
+            rows += [-forces.y, forces.y]
+        out["limits"] = cp.hstack(rows) <= limit
     return out

@@ -27,7 +27,7 @@ def declare(shape: RegionShape) -> Program:
         **admissible(forces),
         "cap": normal <= cp.Parameter(name="cap"),
     }
-    return Program(cp.Problem(cp.Maximize(normal), list(constraints.values())), {"x": forces.x, "s": s}, constraints)
+    return Program(cp.Problem(cp.Maximize(normal), list(constraints.values())), {**forces.variables, "s": s}, constraints)
 
 
 MODEL = ConicModel(

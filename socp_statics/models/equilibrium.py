@@ -28,7 +28,7 @@ def declare(shape: ForceShape) -> Program:
         **admissible(forces, reserve=t),
         "cap": t <= cp.Parameter(name="cap"),
     }
-    return Program(cp.Problem(cp.Maximize(t), list(constraints.values())), {"x": forces.x, "t": t}, constraints)
+    return Program(cp.Problem(cp.Maximize(t), list(constraints.values())), {**forces.variables, "t": t}, constraints)
 
 
 MODEL = ConicModel(

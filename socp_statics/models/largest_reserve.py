@@ -26,7 +26,7 @@ def declare(shape: RegionShape) -> Program:
         **admissible(forces, reserve=t),
         "cap": t <= cp.Parameter(name="cap"),
     }
-    return Program(cp.Problem(cp.Maximize(t), list(constraints.values())), {"x": forces.x, "s": s, "t": t}, constraints)
+    return Program(cp.Problem(cp.Maximize(t), list(constraints.values())), {**forces.variables, "s": s, "t": t}, constraints)
 
 
 MODEL = ConicModel(

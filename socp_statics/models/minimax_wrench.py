@@ -52,10 +52,10 @@ def declare(shape: MinimaxShape) -> Program:
         t = cp.Variable(name="t")
         limit = {"cap": t <= cp.Parameter(name="cap")}
         constraints = {**balance, **admissible(forces, reserve=t), **_friction_use(forces, shape, t), **limit}
-        return Program(cp.Problem(cp.Maximize(t), list(constraints.values())), {"x": forces.x, "t": t}, constraints)
+        return Program(cp.Problem(cp.Maximize(t), list(constraints.values())), {**forces.variables, "t": t}, constraints)
     s = cp.Variable(name="s")
     constraints = {**balance, **admissible(forces), **_ceiling(forces, shape, s)}
-    return Program(cp.Problem(cp.Minimize(s), list(constraints.values())), {"x": forces.x, "s": s}, constraints)
+    return Program(cp.Problem(cp.Minimize(s), list(constraints.values())), {**forces.variables, "s": s}, constraints)
 
 
 def _measured(forces: Forces, shape: MinimaxShape, size: int) -> cp.Expression:

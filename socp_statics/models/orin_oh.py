@@ -30,7 +30,7 @@ def declare(shape: OrinOhShape) -> Program:
     forces = declare_forces(shape.forces)
     m = cp.Variable(name="m")
     constraints = {"balance": wrench(forces) == -load(forces), **admissible(forces), "peak": m >= 0}
-    variables = {"x": forces.x, "m": m}
+    variables = {**forces.variables, "m": m}
     cost = cp.Parameter(name="b", nonneg=True) * m
     if shape.forces.points:
         constraints["largest"] = forces.f_n <= m

@@ -37,7 +37,7 @@ def declare(shape: RegionShape) -> Program:
     if shape.clipped:
         box = cp.Parameter(shape.coordinates, name="box", nonneg=True)
         constraints["clip"] = cp.hstack([s, -s]) <= cp.hstack([box, box])
-    return Program(cp.Problem(cp.Maximize(direction @ s), list(constraints.values())), {"x": forces.x, "s": s}, constraints)
+    return Program(cp.Problem(cp.Maximize(direction @ s), list(constraints.values())), {**forces.variables, "s": s}, constraints)
 
 
 MODEL = ConicModel(

@@ -37,7 +37,7 @@ def declare(shape: TorqueShape) -> Program:
         rows = cp.Parameter((shape.shared, shape.forces.columns), name="U") @ forces.x
         limit = cp.Parameter(shape.shared, name="u", nonneg=True)
         constraints["torques"] = rows <= s * limit - cp.Parameter(shape.shared, name="v")
-    return Program(cp.Problem(cp.Minimize(s), list(constraints.values())), {"x": forces.x, "s": s}, constraints)
+    return Program(cp.Problem(cp.Minimize(s), list(constraints.values())), {**forces.variables, "s": s}, constraints)
 
 
 MODEL = ConicModel(
