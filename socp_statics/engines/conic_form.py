@@ -77,8 +77,8 @@ class ConicForm:
         self._q_map = sp.csr_array(stuffed.q)
         stuffed.reduced_A.cache(True)
         self._A_map = sp.csr_array(stuffed.reduced_A.reduced_mat)
-        indices, indptr, shape = stuffed.reduced_A.problem_data_index
-        self._A_indices, self._A_indptr, self._A_shape = np.asarray(indices), np.asarray(indptr), shape
+        indices, indptr, _ = stuffed.reduced_A.problem_data_index
+        self._A_indices, self._A_indptr = np.asarray(indices), np.asarray(indptr)
         columns = slice(0, self._A_indptr[self.columns])
         none = np.zeros(columns.stop)
         self._A_template = sp.csc_array((none, self._A_indices[columns], self._A_indptr[: self.columns + 1]), (self.rows, self.columns))

@@ -41,9 +41,4 @@ def declare(shape: ContactForcesShape) -> Program:
     return Program(cp.Problem(cp.Minimize(cost), list(constraints.values())), variables, constraints)
 
 
-MODEL = ConicModel(
-    name="contact_forces",
-    summary="best contact forces: least squares, least normal force, or nearest to a reference",
-    mathematics="minimise sum |f_i|^2  |  sum f_n  |  sum |F_k - F_ref,k|^2   subject to  G x + L = 0,  f_i in K_i",
-    declare=declare,
-)
+MODEL = ConicModel("contact_forces", declare)

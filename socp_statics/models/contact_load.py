@@ -30,9 +30,4 @@ def declare(shape: RegionShape) -> Program:
     return Program(cp.Problem(cp.Maximize(normal), list(constraints.values())), {**forces.variables, "s": s}, constraints)
 
 
-MODEL = ConicModel(
-    name="contact_load",
-    summary="largest normal force of one contact over all horizontal CoM positions",
-    mathematics="maximise N_k  subject to  G x + L(c) = 0,  f_i in K_i,  N_k <= cap",
-    declare=declare,
-)
+MODEL = ConicModel("contact_load", declare)

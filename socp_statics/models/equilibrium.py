@@ -31,9 +31,4 @@ def declare(shape: ForceShape) -> Program:
     return Program(cp.Problem(cp.Maximize(t), list(constraints.values())), {**forces.variables, "t": t}, constraints)
 
 
-MODEL = ConicModel(
-    name="equilibrium",
-    summary="verdict, margin (normal-force reserve) and certificate",
-    mathematics="maximise t  subject to  G x + L = 0,  f_i - t n_i in K_i",
-    declare=declare,
-)
+MODEL = ConicModel("equilibrium", declare)

@@ -82,9 +82,4 @@ def declare(shape: HardShape) -> Program:
     return Program(cp.Problem(cp.Minimize(e), list(constraints.values())), {"z": z, "e": e}, constraints)
 
 
-MODEL = ConicModel(
-    name="hard_rows",
-    summary="least relaxation with which balance, handle limits and torque limits can be met",
-    mathematics="minimise e  subject to  G x + L = 0,  H x <= d + e",
-    declare=declare,
-)
+MODEL = ConicModel("hard_rows", declare)

@@ -29,9 +29,4 @@ def declare(shape: RegionShape) -> Program:
     return Program(cp.Problem(cp.Maximize(t), list(constraints.values())), {**forces.variables, "s": s, "t": t}, constraints)
 
 
-MODEL = ConicModel(
-    name="largest_reserve",
-    summary="largest margin over all horizontal CoM positions",
-    mathematics="maximise t  subject to  G x + L(c) = 0,  f_i - t n_i in K_i",
-    declare=declare,
-)
+MODEL = ConicModel("largest_reserve", declare)

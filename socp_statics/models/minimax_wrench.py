@@ -90,9 +90,4 @@ def _friction_use(forces: Forces, shape: MinimaxShape, t: cp.Variable) -> dict[s
     return _below(shape.forces.form, radius, _measured(forces, shape, 2))
 
 
-MODEL = ConicModel(
-    name="minimax_wrench",
-    summary="least possible largest contact load: force, normal, tangential, component or use of friction",
-    mathematics="minimise s  subject to  measure of every group <= s,  G x + L = 0,  f_i in K_i",
-    declare=declare,
-)
+MODEL = ConicModel("minimax_wrench", declare)

@@ -42,9 +42,4 @@ def declare(shape: OrinOhShape) -> Program:
     return Program(cp.Problem(cp.Minimize(cost), list(constraints.values())), variables, constraints)
 
 
-MODEL = ConicModel(
-    name="orin_oh",
-    summary="least sum of local joint powers plus weighted largest normal force (Orin and Oh 1981)",
-    mathematics="minimise sum |tau_j rate_j| + b max f_n  subject to  G x + L = 0,  f_i in K_i",
-    declare=declare,
-)
+MODEL = ConicModel("orin_oh", declare)

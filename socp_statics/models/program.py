@@ -34,12 +34,8 @@ class ConicModel:
 
     Attributes:
         name: Name in the registry.
-        summary: One line.
-        mathematics: The program as a paper displays it.
         declare: Shape -> Program.
     """
 
     name: str
-    summary: str
-    mathematics: str
     declare: Callable[[Any], Program]

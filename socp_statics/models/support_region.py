@@ -40,9 +40,4 @@ def declare(shape: RegionShape) -> Program:
     return Program(cp.Problem(cp.Maximize(direction @ s), list(constraints.values())), {**forces.variables, "s": s}, constraints)
 
 
-MODEL = ConicModel(
-    name="support_region",
-    summary="region of CoM positions in balance, traced between an inner and an outer polygon",
-    mathematics="for directions d:  maximise d' c  subject to  G x + L(c) = 0,  f_i in K_i",
-    declare=declare,
-)
+MODEL = ConicModel("support_region", declare)

@@ -40,9 +40,4 @@ def declare(shape: TorqueShape) -> Program:
     return Program(cp.Problem(cp.Minimize(s), list(constraints.values())), {**forces.variables, "s": s}, constraints)
 
 
-MODEL = ConicModel(
-    name="torque_feasibility",
-    summary="least share of its torque limits that the worst joint has to use",
-    mathematics="minimise s  subject to  G x + L = 0,  f_i in K_i,  s lower <= tau(x) <= s upper",
-    declare=declare,
-)
+MODEL = ConicModel("torque_feasibility", declare)
