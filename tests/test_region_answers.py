@@ -160,6 +160,17 @@ def test_pushes_at_the_limit_of_friction_are_settled(over):
     assert check_equilibrium(stance).verdict == ("unstable" if over > 0 else "stable")
 
 
+def test_a_region_without_interior_says_by_how_much_its_cones_were_widened():
+    push = ExternalWrench(force=[0.6 * 588.6, 0, 0], point=[0, 0, 0])
+    stance = Stance(feet(), [0, 0, 0.8], 60.0, external_wrenches=(push,))
+    region = trace_support_region(stance)
+    assert region.kind == "polygon"
+    assert 0 < region.widened <= 2.1e-7 * 588.6
+    assert region.as_record()["widened"] == region.widened
+    plain = trace_support_region(feet())
+    assert plain.widened == 0 and "widened" not in plain.as_record()
+
+
 @pytest.mark.parametrize("family", ["sloped", "feet_and_hands", "mix"])
 def test_the_same_input_gives_the_same_bytes(family):
     one, two = (trace_support_region(random_stance(103, family), 1e-4) for _ in range(2))

@@ -58,6 +58,11 @@ class SupportRegion:
         return self._data.torques.limited
 
     @property
+    def widened(self) -> float:
+        """By how much normal force a point every cone was widened, where the set of forces has no interior; else 0 [N]."""
+        return -float(np.min(self._shift, initial=0.0)) * self._data.units.force
+
+    @property
     def inner_area(self) -> float:
         """Area of the inner polygon, 0 unless it is one [m^2]."""
         return max(polygon.area(self.inner), 0.0) if self.kind in ("polygon", "unbounded") else 0.0
@@ -126,7 +131,8 @@ class SupportRegion:
         """The record's entry."""
         forces, multipliers = self.inner_forces, self.outer_multipliers
         acting = list(zip(forces[0].contact, forces[0].point_W.tolist(), strict=True)) if forces else []
-        return ({"posture": "frozen"} if self.frozen else {}) | {
+        notes = ({"posture": "frozen"} if self.frozen else {}) | ({"widened": self.widened} if self.widened else {})
+        return notes | {
             "kind": self.kind,
             "inner": self.inner.tolist(),
             "outer": self.outer.tolist(),

@@ -26,6 +26,7 @@ REGION_KEYS: dict[str, Any] = {
         "relative_gap": None,
         "rays": [VECTOR],
         "solves": None,
+        "widened": None,
         "points": [{"contact": None, "point": VECTOR}],
         "inner_forces": [None],
         "outer_multipliers": [None],
