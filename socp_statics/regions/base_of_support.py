@@ -13,9 +13,8 @@ from scipy.spatial import ConvexHull, QhullError
 from socp_statics.contacts import Contact, ContactSet
 from socp_statics.contacts.stance import as_contact_set
 from socp_statics.regions import polygon
+from socp_statics.regions.polygon import NARROW
 from socp_statics.spatial import Array
-
-NARROW = 1e-9
 
 
 @dataclass(frozen=True, eq=False)

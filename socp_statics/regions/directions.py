@@ -43,6 +43,19 @@ class CoMPlane:
     twist: Array | None
 
 
+def load_at(data: StaticsData, position: Array) -> Array:
+    """The load with the centre of mass at another horizontal position, relative to the centre of the contacts, shape (6,)."""
+    return data.load + data.com_load @ (position - data.com[:2])
+
+
+def plane_values(data: StaticsData, plane: CoMPlane, cone: ConeChoice) -> dict[str, Array]:
+    """Numbers of any program over the free coordinates: the set of forces, the load at their origin, and D."""
+    return force_values(data, cone, plane.basis) | {
+        "load": plane.basis.T @ load_at(data, plane.origin),
+        "D": plane.basis.T @ data.com_load @ plane.axes,
+    }
+
+
 def com_plane(data: StaticsData) -> CoMPlane:
     """Free coordinates of the centre of mass.
 
@@ -52,7 +65,7 @@ def com_plane(data: StaticsData) -> CoMPlane:
     Returns:
         The affine set of positions for which the load is in the range of G.
     """
-    load = data.load - data.com_load @ data.com[:2]
+    load = load_at(data, np.zeros(2))
     reach = wrench_range(data.wrench_map)
     rows, misses = reach.null.T @ data.com_load, reach.null.T @ load
     U, s, Vt = np.linalg.svd(rows) if reach.rank < 6 else (np.zeros((0, 0)), np.zeros(0), np.eye(2))
@@ -78,10 +91,7 @@ class Directions:
 
     def __init__(self, data: StaticsData, plane: CoMPlane, cone: ConeChoice, form: str, engine: Engine, clip: float | None = None):
         shape = RegionShape(force_shape(data, cone, form, plane.basis.shape[1]), plane.axes.shape[1], clip is not None)
-        start = data.load + data.com_load @ (plane.origin - data.com[:2])
-        values = force_values(data, cone, plane.basis) | {
-            "load": plane.basis.T @ start,
-            "D": plane.basis.T @ data.com_load @ plane.axes,
+        values = plane_values(data, plane, cone) | {
             "direction": np.eye(shape.coordinates)[0],
             "box": np.full(shape.coordinates, clip or 0.0),
         }

@@ -7,6 +7,9 @@ from numpy.typing import ArrayLike
 
 from socp_statics.spatial import Array
 
+# Share of the size below which a region or base has no width.
+NARROW = 1e-9
+
 
 def area(polygon: Array) -> float:
     """Signed area of a polygon, positive when counter-clockwise, shape (k, 2) -> m^2."""

@@ -15,7 +15,7 @@ from socp_statics.engines import engines_for
 from socp_statics.engines.engine import Engine
 from socp_statics.engines.solution import INFEASIBLE, SOLVED, UNBOUNDED, Solution
 from socp_statics.exceptions import EngineError, InputError
-from socp_statics.models.contact_forces_set import force_shape, force_values
+from socp_statics.models.contact_forces_set import force_shape
 from socp_statics.models.equilibrium import MODEL as EQUILIBRIUM
 from socp_statics.models.hard_rows import MODEL as HARD_ROWS
 from socp_statics.models.hard_rows import hard_values
@@ -23,17 +23,27 @@ from socp_statics.models.largest_reserve import MODEL as LARGEST_RESERVE
 from socp_statics.models.support_region import RegionShape
 from socp_statics.regions import polygon
 from socp_statics.regions.com_margin import refined_margin
-from socp_statics.regions.directions import CoMPlane, Directions, EmptyRegion, UnboundedDirection, com_plane, recession, widened
+from socp_statics.regions.directions import (
+    CoMPlane,
+    Directions,
+    EmptyRegion,
+    UnboundedDirection,
+    com_plane,
+    load_at,
+    plane_values,
+    recession,
+    widened,
+)
+from socp_statics.regions.polygon import NARROW
 from socp_statics.regions.sandwich import START, Sandwich
 from socp_statics.regions.support_region import SupportRegion
 from socp_statics.spatial import Array
 from socp_statics.statics import StaticsData, assemble
+from socp_statics.statics.units import BOUNDARY
 
-NARROW = 1e-9
 CLIP = 10.0
 CORNER = 1e-11
 ON_EDGE = 1e-9
-BOUNDARY = 1e-7
 
 
 def trace_support_region(
@@ -121,17 +131,13 @@ class _Tracer:
         shape = RegionShape(force_shape(self.data, self.cone, self.form, self.plane.basis.shape[1]), self.plane.axes.shape[1], False)
         if not shape.coordinates:
             raise error
-        start = self.data.load + self.data.com_load @ (self.plane.origin - self.data.com[:2])
+        start = load_at(self.data, self.plane.origin)
         hard, rows = hard_values(self.data, self.plane.basis, start, self.data.com_load @ self.plane.axes)
         missing = self.engine.compile(HARD_ROWS, hard).solve(rows)
         self.solves += 1
         if missing.status == SOLVED and missing.objective > BOUNDARY:
             return self._empty()
-        values = force_values(self.data, self.cone, self.plane.basis) | {
-            "load": self.plane.basis.T @ start,
-            "D": self.plane.basis.T @ self.data.com_load @ self.plane.axes,
-            "cap": np.array(1.0),
-        }
+        values = plane_values(self.data, self.plane, self.cone) | {"cap": np.array(1.0)}
         solution = self.engine.compile(LARGEST_RESERVE, shape).solve(values)
         self.solves += 1
         if solution.status == INFEASIBLE or (solution.status == SOLVED and solution.objective < -BOUNDARY):
@@ -151,8 +157,7 @@ class _Tracer:
         """No free coordinate: one position is in reach, it is the region or there is none."""
         position = self.plane.origin
         compiled = self.engine.compile(EQUILIBRIUM, force_shape(self.data, self.cone, self.form, self.plane.basis.shape[1]))
-        load = self.data.load + self.data.com_load @ (position - self.data.com[:2])
-        values = force_values(self.data, self.cone, self.plane.basis) | {"load": self.plane.basis.T @ load, "cap": np.array(1.0)}
+        values = plane_values(self.data, self.plane, self.cone) | {"cap": np.array(1.0)}
         solution = compiled.solve(values)
         self.solves += 1
         if solution.status == INFEASIBLE or (solution.status == SOLVED and solution.objective < -NARROW):

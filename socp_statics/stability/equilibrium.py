@@ -15,9 +15,10 @@ from socp_statics.contacts import ContactSet, ExternalWrench, Stance
 from socp_statics.contacts.stance import stance_of
 from socp_statics.spatial import Array
 from socp_statics.stability.idle import idle_contacts
-from socp_statics.stability.margin import BOUNDARY, Margin, normal_force_margin
+from socp_statics.stability.margin import Margin, normal_force_margin
 from socp_statics.statics import PointForces, StaticsData, assemble, point_forces
 from socp_statics.statics.joint_torques import limits_by_name, torques_by_name
+from socp_statics.statics.units import BOUNDARY
 from socp_statics.statics.wrench_range import INSIDE
 
 

@@ -18,9 +18,9 @@ from socp_statics.models.hard_rows import MODEL as HARD_ROWS
 from socp_statics.models.hard_rows import hard_values
 from socp_statics.spatial import Array
 from socp_statics.statics.statics_data import StaticsData
+from socp_statics.statics.units import BOUNDARY
 from socp_statics.statics.wrench_range import INSIDE, OUTSIDE, WrenchRange, wrench_range
 
-BOUNDARY = 1e-7
 FORCE_TOLERANCE = 1e-8
 CAPS = (1.0, 1e3, 1e6)
 

@@ -12,6 +12,9 @@ import numpy as np
 from socp_statics.contacts import Stance
 from socp_statics.spatial import Array
 
+# Share of W within which a margin of zero decides nothing.
+BOUNDARY = 1e-7
+
 
 @dataclass(frozen=True, eq=False)
 class Units:
