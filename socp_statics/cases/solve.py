@@ -15,6 +15,7 @@ from socp_statics.cases.problem import Problem
 from socp_statics.cases.record import Record
 from socp_statics.contacts import Stance
 from socp_statics.exceptions import InputError
+from socp_statics.registry import nearest
 
 DISTRIBUTIONS = ("numpy", "scipy", "cvxpy-base", "clarabel")
 KINEMATICS = "pin"
@@ -58,9 +59,12 @@ def first_engine(engine: str) -> str:
         InputError: There is no such engine.
     """
     # the engines' room imports solvers, which listing and showing do without
-    from socp_statics.engines import AUTO, check_engine
+    from socp_statics.engines import AUTO, ENGINES
 
-    return AUTO[0] if check_engine(engine) == "auto" else engine
+    if engine != "auto" and engine not in ENGINES.names():
+        known = nearest(engine, ("auto", *ENGINES.names()))
+        raise InputError(f"engine {engine!r} is not known{known}", name=engine, field="engine")
+    return AUTO[0] if engine == "auto" else engine
 
 
 def failed_record(problem: Problem, engine: str, reason: str) -> Record:

@@ -4,7 +4,7 @@ from functools import cache
 
 from socp_statics.engines.engine import Engine as Engine
 from socp_statics.exceptions import InputError
-from socp_statics.registry import Registry, nearest
+from socp_statics.registry import Registry
 
 ENGINES = Registry("engine", group="socp_statics.engines")
 ENGINES.add("clarabel", "Clarabel on data compiled once a model and shape", "socp_statics.engines.compiled:CompiledEngine")
@@ -16,18 +16,6 @@ AUTO = ("clarabel", "cvxpy")
 @cache
 def _loaded(name: str) -> Engine:
     return ENGINES.load(name)()
-
-
-def check_engine(name: str) -> str:
-    """The name, if it is "auto" or a registered engine.
-
-    Raises:
-        InputError: There is no such engine.
-    """
-    if name != "auto" and name not in ENGINES.names():
-        known = nearest(str(name), ("auto", *ENGINES.names()))
-        raise InputError(f"engine {name!r} is not known{known}", name=str(name), field="engine")
-    return name
 
 
 def engines_for(name: str) -> tuple[Engine, ...]:
@@ -42,4 +30,6 @@ def engines_for(name: str) -> tuple[Engine, ...]:
     Raises:
         InputError: There is no such engine.
     """
-    return tuple(_loaded(one) for one in (AUTO if check_engine(name) == "auto" else (name,)))
+    if name != "auto" and name not in ENGINES.names():
+        raise InputError(f"engine {name!r} is not known; known: auto, {', '.join(ENGINES.names())}", name=str(name), field="engine")
+    return tuple(_loaded(one) for one in (AUTO if name == "auto" else (name,)))
