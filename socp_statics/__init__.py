@@ -26,7 +26,10 @@ _HOMES = {
     "Stance": "contacts",
     "ConeChoice": "cones",
     "check_equilibrium": "stability",
+    "check_equilibrium_many": "stability",
     "trace_support_region": "regions",
+    "trace_support_regions": "regions",
+    "support_function": "regions",
     "base_of_support": "regions",
     "optimise_contact_forces": "optimization",
     "minimise_largest_wrench": "optimization",
@@ -75,11 +78,14 @@ if TYPE_CHECKING:
     from socp_statics.postures import Posture as Posture
     from socp_statics.postures import pose as pose
     from socp_statics.regions import base_of_support as base_of_support
+    from socp_statics.regions import support_function as support_function
     from socp_statics.regions import trace_support_region as trace_support_region
+    from socp_statics.regions import trace_support_regions as trace_support_regions
     from socp_statics.robots import ContactFrame as ContactFrame
     from socp_statics.robots import Robot as Robot
     from socp_statics.robots import load_robot as load_robot
     from socp_statics.stability import check_equilibrium as check_equilibrium
+    from socp_statics.stability import check_equilibrium_many as check_equilibrium_many
 
 
 def __getattr__(name: str) -> Any:

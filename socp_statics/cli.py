@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import os
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -114,7 +114,7 @@ def solve(
     problem: ProblemArgument,
     values: Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Set a key of the problem; repeatable.")] = None,
     case: Annotated[int | None, typer.Option("--case", metavar="N", help="Which case of a [sweep], from 0.")] = None,
-    engine: Annotated[str, typer.Option("--engine", metavar="NAME", help="auto, clarabel or cvxpy.")] = "auto",
+    engine: Annotated[str, typer.Option("--engine", metavar="NAME", help="auto (Clarabel first), kernel, clarabel or cvxpy.")] = "auto",
     record_file: Annotated[str | None, typer.Option("--json", metavar="FILE", help="Write the record; - prints only the record.")] = None,
     figure_file: Annotated[str | None, typer.Option("--figure", metavar="FILE", help="Draw the answer (.pdf, .png or .svg).")] = None,
 ) -> None:
@@ -130,14 +130,17 @@ def solve(
     except InputError as error:
         raise InputError(f"{loaded.label}: --engine: {error}", name=engine, field="--engine") from error
     _check_outputs(loaded, record_file, figure_file)
+    from socp_statics.engines import SINGLE
+
+    asked = SINGLE if engine == "auto" else engine
     try:
-        record = solving.solve(loaded, engine)
+        record = solving.solve(loaded, asked)
     except EngineError as error:
-        _write_record(solving.failed_record(loaded, engine, str(error)), record_file)
+        _write_record(solving.failed_record(loaded, asked, str(error)), record_file)
         raise EngineError(f"{loaded.label}: {error}", name=loaded.label) from error
     _write_record(record, record_file)
     if figure_file is not None:
-        _draw(loaded, record, Path(figure_file), engine)
+        _draw(loaded, record, Path(figure_file), asked)
     if record_file != "-":
         typer.echo(summarise(record))
     failed = solving.unmet(record)
@@ -190,7 +193,7 @@ def _write_record(record: Record, file: str | None) -> None:
             raise StaticsError(f"--json {file}: the record could not be written ({error.strerror})", name=file, field="--json") from error
 
 
-def _draw(problem: Problem, record: Record, path: Path, engine: str) -> None:
+def _draw(problem: Problem, record: Record, path: Path, engine: str | Sequence[str]) -> None:
     from socp_statics.cases.writing import finished_or_absent
     from socp_statics.comparison import compare_regions
     from socp_statics.figures import save_figure

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from socp_statics.cones.choice import KINDS, ConeChoice
 from socp_statics.contacts import Contact, ContactSet, Stance
@@ -16,7 +16,7 @@ def compare_regions(
     sides: int = 4,
     heading: float = 0.0,
     form: str = "socp",
-    engine: str = "auto",
+    engine: str | Sequence[str] = "auto",
 ) -> dict[str, SupportRegion]:
     """The support region with exact cones, inscribed pyramids and circumscribed pyramids.
 
@@ -28,7 +28,7 @@ def compare_regions(
         sides: Sides of the pyramids.
         heading: Heading of the pyramids: from t1 to the normal of their first face [rad].
         form: "socp" or "sdp", for the exact cones.
-        engine: "auto" or the name of an engine.
+        engine: "auto", the name of an engine, or several to be tried in turn.
 
     Returns:
         The regions under "exact", "inscribed" and "circumscribed".

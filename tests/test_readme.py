@@ -49,8 +49,15 @@ def test_the_ten_line_program_runs(tmp_path, monkeypatch, capsys):
     assert (tmp_path / "region.png").exists()
 
 
-def test_the_robot_program_prints_what_the_readme_says(capsys):
+def test_the_batch_program_runs(capsys):
     exec(compile(blocks("python")[1], "README", "exec"), {})  # noqa: S102
+    verdicts, regions = capsys.readouterr().out.splitlines()
+    assert 0.1 < float(verdicts.split()[0]) < 0.9
+    assert float(regions.split()[0]) > 0.05
+
+
+def test_the_robot_program_prints_what_the_readme_says(capsys):
+    exec(compile(blocks("python")[2], "README", "exec"), {})  # noqa: S102
     (said,) = capsys.readouterr().out.splitlines()
     assert f"prints `{said}`" in README
 
@@ -70,7 +77,7 @@ def test_every_verb_of_the_table_exists_and_no_other_is_listed(capsys):
 def test_the_files_it_names_exist():
     for name in re.findall(r"`((?:socp_statics|tests|problems)/[\w/.]*)`", README):
         assert (ROOT / name).exists(), name
-    assert (ROOT / "tests/benchmarks/support_direction.py").exists()
+    assert all((ROOT / "tests/benchmarks" / name).exists() for name in ("kernel.py", "support_direction.py", "postures.py"))
 
 
 @pytest.mark.parametrize("arguments", [["--help"], ["--version"], ["list", "models"]])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import platform
+from collections.abc import Sequence
 from importlib import metadata
 from typing import Any
 
@@ -17,7 +18,7 @@ from socp_statics.contacts import Stance
 from socp_statics.exceptions import InputError
 from socp_statics.registry import nearest
 
-DISTRIBUTIONS = ("numpy", "scipy", "cvxpy-base", "clarabel")
+DISTRIBUTIONS = ("numpy", "scipy", "cvxpy-base", "clarabel", "numba")
 KINEMATICS = "pin"
 KEY_ORDER = (
     "schema", "problem", "model", "hash", "case", "status", "verdict", "reason", "cone", "objective", "margin", "idle", "idle_margin",
@@ -26,12 +27,12 @@ KEY_ORDER = (
 )  # fmt: skip
 
 
-def solve(problem: Problem, engine: str = "auto") -> Record:
+def solve(problem: Problem, engine: str | Sequence[str] = "auto") -> Record:
     """Answer a problem.
 
     Args:
         problem: A single problem, or one case of a sweep.
-        engine: A registered engine, or ``"auto"``: Clarabel, and what it cannot settle goes to the reference engine.
+        engine: ``"auto"``, a registered engine, or several in the order they are to be tried.
 
     Returns:
         The record, with its expectations compared.
@@ -49,25 +50,25 @@ def solve(problem: Problem, engine: str = "auto") -> Record:
     return _record(problem, stance, chosen, keys)
 
 
-def first_engine(engine: str) -> str:
+def first_engine(engine: str | Sequence[str]) -> str:
     """The engine that is asked first, before any handover.
 
     Args:
-        engine: A registered name or ``"auto"``.
+        engine: ``"auto"``, a registered name, or several.
 
     Raises:
         InputError: There is no such engine.
     """
     # the engines' room imports solvers, which listing and showing do without
-    from socp_statics.engines import AUTO, ENGINES
+    from socp_statics.engines import ENGINES, engine_names
 
-    if engine != "auto" and engine not in ENGINES.names():
+    if isinstance(engine, str) and engine != "auto" and engine not in ENGINES.names():
         known = nearest(engine, ("auto", *ENGINES.names()))
         raise InputError(f"engine {engine!r} is not known{known}", name=engine, field="engine")
-    return AUTO[0] if engine == "auto" else engine
+    return engine_names(engine)[0]
 
 
-def failed_record(problem: Problem, engine: str, reason: str) -> Record:
+def failed_record(problem: Problem, engine: str | Sequence[str], reason: str) -> Record:
     """The record of a problem whose computation broke down: verdict undecided, no margin, no forces.
 
     Args:

@@ -99,12 +99,12 @@ def _and(words: list[str]) -> str:
 
 
 def _giving_way(data: StaticsData, motion: Motion) -> str:
-    """Joints that turn against their torque limits, the fastest first."""
+    """Joints that turn against their torque limits, the fastest first; equal ones in the order of the robot."""
     torques, rates = data.torques, motion.joints
     fastest = float(np.abs(rates).max(initial=0.0))
     if fastest <= REST * max(1.0, float(np.abs(motion.twist).max())):
         return ""
-    turning = [int(k) for k in np.argsort(-np.abs(rates), kind="stable") if abs(rates[k]) > GENTLE * fastest]
+    turning = [int(k) for k in np.argsort(-np.round(np.abs(rates) / fastest, 6), kind="stable") if abs(rates[k]) > GENTLE * fastest]
     scale = data.units.force * data.units.length
     named = [f"{torques.names[k]} ({scale * torques.limits[k, 0 if rates[k] > 0 else 1]:.3g} N m)" for k in turning[:MOST_JOINTS]]
     more = f" and {len(turning) - MOST_JOINTS} more" if len(turning) > MOST_JOINTS else ""

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from socp_statics.contacts.contact import Contact
+from socp_statics.contacts.friction_points import friction_points
 from socp_statics.exceptions import InputError
 from socp_statics.spatial import Array
 
@@ -19,6 +20,9 @@ class ContactSet:
 
     Args:
         contacts: At least one contact.
+
+    Attributes:
+        friction_points: All points as an array where only friction limits their forces, else None; see `friction_points`.
 
     Raises:
         InputError: No contact, something that is not a contact, or a name that is used twice.
@@ -37,6 +41,7 @@ class ContactSet:
             if contact.name in seen:
                 raise InputError(f"contact '{contact.name}': name is used twice, names must be unique", name=contact.name, field="name")
             seen.add(contact.name)
+        self.friction_points = friction_points(self._contacts)
 
     def __iter__(self) -> Iterator[Contact]:
         return iter(self._contacts)

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import cvxpy as cp
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from socp_statics.engines.solution import Residuals
 from socp_statics.exceptions import EngineError
@@ -88,11 +88,17 @@ class ConicForm:
             stuffed.reduced_P.cache(True)
             self._P_map = sp.csr_array(stuffed.reduced_P.reduced_mat)
             self._P_index = stuffed.reduced_P.problem_data_index
+        self.diagonal_cost = self._P_map is None or self._is_diagonal(*self._P_index[:2])
         self._offset_row = self._q_map[[-1]]
         dense = self._q_map.shape[0] * self._q_map.shape[1] <= DENSE_LIMIT
         self._q_linear = self._q_map[:-1].toarray() if dense else sp.csr_array(self._q_map[:-1])
         self.only_q = {name: self._touches_only_q(s) for name, s in self.where.items()}
         self._read_solution_maps(program, chain, inverse)
+
+    @staticmethod
+    def _is_diagonal(indices: NDArray[np.int_], indptr: NDArray[np.int_]) -> bool:
+        """Whether a sparsity pattern (CSC) has entries on the diagonal only."""
+        return bool((np.asarray(indices) == np.repeat(np.arange(len(indptr) - 1), np.diff(indptr))).all())
 
     def _touches_only_q(self, columns: slice) -> bool:
         in_P = self._P_map is not None and self._P_map[:, columns].nnz > 0

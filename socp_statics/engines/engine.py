@@ -36,8 +36,8 @@ class Engine(Protocol):
 
     name: str
 
-    def accepts(self, model: ConicModel, form: str) -> bool:
-        """Whether the engine solves this model in this form ("socp" or "sdp")."""
+    def accepts(self, model: ConicModel | None, form: str) -> bool:
+        """Whether the engine solves this model, or without one any model, in this form ("socp" or "sdp")."""
         ...
 
     def compile(self, model: ConicModel, shape: Any) -> CompiledModel:

@@ -133,7 +133,7 @@ class ReferenceEngine:
         self._solver = solver
         self._cache: dict[tuple[str, Any], Declared] = {}
 
-    def accepts(self, model: ConicModel, form: str) -> bool:
+    def accepts(self, model: ConicModel | None, form: str) -> bool:
         """Every model in every form, as far as the solver has the cones."""
         return True
 

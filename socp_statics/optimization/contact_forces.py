@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -36,7 +36,7 @@ def optimise_contact_forces(
     sides: int | None = None,
     heading: float | None = None,
     form: str = "socp",
-    engine: str = "auto",
+    engine: str | Sequence[str] = "auto",
     torque_limits: bool | Mapping[str, Any] = False,
 ) -> ForceAnswer:
     """Balancing contact forces that minimise an objective, with exact cones or pyramids.
@@ -53,7 +53,7 @@ def optimise_contact_forces(
         sides: Sides of the pyramids.
         heading: Heading of the pyramids [rad].
         form: "socp" or "sdp".
-        engine: "auto" or the name of an engine.
+        engine: "auto", the name of an engine, or several to be tried in turn.
         torque_limits: Whether forces have to respect joint-torque limits: the robot's own, or a mapping of limits.
 
     Returns:
@@ -85,7 +85,7 @@ def optimise_contact_forces(
     def solve(one: Engine) -> Solution:
         return one.compile(MODEL, shape).solve(values)
 
-    solution, handovers = settled(data, choice, engine, solve, f"objective '{objective}'")
+    solution, handovers = settled(data, choice, engine, solve, f"objective '{objective}'", form)
     if solution.status != SOLVED:
         return infeasible(equilibrium)
     W = data.units.force

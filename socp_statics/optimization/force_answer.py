@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from socp_statics.certificates import force_residuals
 from socp_statics.cones.choice import ConeChoice
-from socp_statics.engines import engines_for
+from socp_statics.engines import engine_names, engines_for
 from socp_statics.engines.engine import Engine
 from socp_statics.engines.solution import FAILED, INFEASIBLE, SOLVED, Solution
 from socp_statics.exceptions import EngineError
@@ -56,16 +56,18 @@ def infeasible(equilibrium: EquilibriumAnswer) -> ForceAnswer:
 
 
 def settled(
-    data: StaticsData, cone: ConeChoice, engine: str, solve: Callable[[Engine], Solution], what: str, *, check: bool = True
+    data: StaticsData, cone: ConeChoice, engine: str | Sequence[str], solve: Callable[[Engine], Solution], what: str, form: str, *,
+    check: bool = True,
 ) -> tuple[Solution, int]:
     """One program by the first engine whose answer checks.
 
     Args:
         data: The stance's arrays.
         cone: Exact cones or pyramids.
-        engine: "auto" or the name of an engine.
+        engine: "auto", the name of an engine, or several to be tried in turn.
         solve: Compiles and solves with an engine.
         what: What is being solved, for the error sentence.
+        form: "socp" or "sdp".
         check: Whether the forces have to lie inside the set.
 
     Returns:
@@ -75,7 +77,7 @@ def settled(
         EngineError: No engine settled it.
     """
     details = []
-    for handovers, one in enumerate(engines_for(engine)):
+    for handovers, one in enumerate(engines_for(engine, form)):
         solution = solve(one)
         details.append(f"{one.name}: {solution.detail}")
         if solution.status == INFEASIBLE:
@@ -87,7 +89,7 @@ def settled(
             details[-1] += " with forces outside the set"
         elif solution.status != FAILED:
             details[-1] += " without an optimum"
-    raise EngineError(f"{what} was not settled ({'; '.join(details)})", name=engine)
+    raise EngineError(f"{what} was not settled ({'; '.join(details)})", name=engine_names(engine)[-1])
 
 
 def answer_of(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -99,7 +99,7 @@ def minimise_largest_wrench(
     sides: int | None = None,
     heading: float | None = None,
     form: str = "socp",
-    engine: str = "auto",
+    engine: str | Sequence[str] = "auto",
     torque_limits: bool | Mapping[str, Any] = False,
 ) -> ForceAnswer:
     """Balancing contact forces whose largest measure is least.
@@ -115,7 +115,7 @@ def minimise_largest_wrench(
         sides: Sides of the pyramids.
         heading: Heading of the pyramids [rad].
         form: "socp" or "sdp".
-        engine: "auto" or the name of an engine.
+        engine: "auto", the name of an engine, or several to be tried in turn.
         torque_limits: Whether forces have to respect joint-torque limits: the robot's own, or a mapping of limits.
 
     Returns:
@@ -146,7 +146,8 @@ class _Question:
     """The programs of one minimax question."""
 
     def __init__(
-        self, data: StaticsData, cone: ConeChoice, form: str, engine: str, measure: str, what: Measured, equilibrium: EquilibriumAnswer
+        self, data: StaticsData, cone: ConeChoice, form: str, engine: str | Sequence[str], measure: str, what: Measured,
+        equilibrium: EquilibriumAnswer,
     ):
         self.data, self.cone, self.form, self.engine = data, cone, form, engine
         self.measure, self.what, self.equilibrium = measure, what, equilibrium
@@ -158,7 +159,7 @@ class _Question:
         def solve(one: Engine) -> Solution:
             return one.compile(model, shape).solve(values)
 
-        solution, handovers = settled(self.data, self.cone, self.engine, solve, f"measure '{self.measure}'", check=check)
+        solution, handovers = settled(self.data, self.cone, self.engine, solve, f"measure '{self.measure}'", self.form, check=check)
         self.handovers += handovers
         return solution
 

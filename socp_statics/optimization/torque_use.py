@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -33,7 +33,7 @@ def minimise_torque_use(
     sides: int | None = None,
     heading: float | None = None,
     form: str = "socp",
-    engine: str = "auto",
+    engine: str | Sequence[str] = "auto",
 ) -> ForceAnswer:
     """Balancing forces whose worst share of the joint-torque limits is least, the corrected test (3.78).
 
@@ -44,7 +44,7 @@ def minimise_torque_use(
         sides: Sides of the pyramids.
         heading: Heading of the pyramids [rad].
         form: "socp" or "sdp".
-        engine: "auto" or the name of an engine.
+        engine: "auto", the name of an engine, or several to be tried in turn.
 
     Returns:
         The forces; the objective is max tau_i / limit_i, the posture is feasible exactly where it is <= 1. Status "infeasible" where
@@ -71,7 +71,7 @@ def minimise_torque_use(
     def solve(one: Engine) -> Solution:
         return one.compile(MODEL, shape).solve(values)
 
-    solution, handovers = settled(hard, choice, engine, solve, "the least use of torques")
+    solution, handovers = settled(hard, choice, engine, solve, "the least use of torques", form)
     if solution.status != SOLVED:
         return infeasible(equilibrium)
     x = solution.variables["x"]
@@ -79,7 +79,7 @@ def minimise_torque_use(
     return answer_of(data, choice, x, "solved", share, gap, solution.engine, handovers, equilibrium, promised=hard)
 
 
-def _balanced_without(stance: Stance, cone: ConeChoice, form: str, engine: str) -> bool:
+def _balanced_without(stance: Stance, cone: ConeChoice, form: str, engine: str | Sequence[str]) -> bool:
     return check_equilibrium(replace(stance, torque_limits=None), cone=cone, form=form, engine=engine).verdict != "unstable"
 
 
@@ -97,7 +97,7 @@ def _shares(data: StaticsData) -> tuple[Array, dict[str, Array], StaticsData]:
 
 
 def minimise_power_and_peak(
-    stance: Stance, rates: Mapping[str, float] | None, b: float, *, cone: ConeChoice, form: str, engine: str
+    stance: Stance, rates: Mapping[str, float] | None, b: float, *, cone: ConeChoice, form: str, engine: str | Sequence[str]
 ) -> ForceAnswer:
     """Orin and Oh's objective: sum of |tau_i rate_i| over the joints plus b times the largest normal force.
 
@@ -107,7 +107,7 @@ def minimise_power_and_peak(
         b: Weight of the largest normal force [m/s].
         cone: Exact cones or pyramids.
         form: "socp" or "sdp".
-        engine: "auto" or the name of an engine.
+        engine: "auto", the name of an engine, or several to be tried in turn.
 
     Returns:
         The forces; the objective is in watts.
@@ -135,7 +135,7 @@ def minimise_power_and_peak(
     def solve(one: Engine) -> Solution:
         return one.compile(ORIN_OH, shape).solve(values)
 
-    solution, handovers = settled(data, cone, engine, solve, "objective 'orin_oh'")
+    solution, handovers = settled(data, cone, engine, solve, "objective 'orin_oh'", form)
     if solution.status != SOLVED:
         return infeasible(equilibrium)
     value = solution.objective * data.units.force * length

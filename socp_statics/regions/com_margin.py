@@ -37,6 +37,8 @@ def refined_margin(sandwich: Sandwich, com: Array, clip: float | None) -> float:
     for _ in range(MOST_REFINEMENTS):
         P = _points(sandwich)
         away = float(distance(P, com))
+        # What is known so far, should the refinements run out.
+        inside = away
         if away <= 0.0:
             outcome = _step_outside(sandwich, P, com, -away)
             if outcome is not None:

@@ -4,16 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from socp_statics.cones.choice import ConeChoice
-from socp_statics.engines.solution import Solution
-from socp_statics.regions import polygon
+from socp_statics.regions import polygon as polygons
+from socp_statics.regions.witnesses import Witnesses
 from socp_statics.spatial import Array
-from socp_statics.statics import PointForces, StaticsData, point_forces
+from socp_statics.statics import PointForces
+
+POLYGON: dict[str, Any] = {
+    "kind": "polygon", "rays": np.zeros((0, 2)), "engine": "kernel", "handovers": 0, "clip": None, "frozen": False, "widened": 0.0,
+}  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +38,11 @@ class SupportRegion:
         com_margin: Of the stance's own centre of mass: distance to the edge, minus the distance outside [m]; inf where the
             region is the whole plane; None where the region is empty or no centre of mass was given.
         clip: The clipping square ``(x_min, x_max, y_min, y_max)`` [m], or None.
+        size: Largest distance between contact points [m].
+        frozen: Whether joint-torque limits count, for the posture as it is while the centre of mass moves.
+        witnesses: Forces and motions behind corners and edges.
+        widened: By how much normal force a point every cone was widened, where the set of forces has no interior; else 0 [N].
+        lines: Unit normal and offset [m] of the supporting line behind each outer edge, shape (l, 3); None unless it is a polygon.
     """
 
     kind: str
@@ -47,35 +56,33 @@ class SupportRegion:
     handovers: int
     com_margin: float | None
     clip: tuple[float, float, float, float] | None
-    _data: StaticsData = field(repr=False)
-    _inner_solutions: tuple[Solution, ...] = field(repr=False)
-    _outer_twists: tuple[Array, ...] = field(repr=False)
-    _shift: Array | float = field(default=0.0, repr=False)
+    size: float
+    frozen: bool
+    witnesses: Witnesses = field(repr=False)
+    widened: float = 0.0
+    lines: Array | None = None
 
-    @property
-    def frozen(self) -> bool:
-        """Whether joint-torque limits count, for the posture as it is while the centre of mass moves."""
-        return self._data.torques.limited
-
-    @property
-    def widened(self) -> float:
-        """By how much normal force a point every cone was widened, where the set of forces has no interior; else 0 [N]."""
-        return -float(np.min(self._shift, initial=0.0)) * self._data.units.force
+    @classmethod
+    def polygon(cls, inner: Array, outer: Array, **rest: Any) -> Self:
+        """A polygon as the kernel's compiled tracer finds it; one is made in a microsecond, where a trace takes a few dozen."""
+        region = object.__new__(cls)
+        region.__dict__.update(POLYGON, inner=inner, outer=outer, **rest)
+        return region
 
     @property
     def inner_area(self) -> float:
         """Area of the inner polygon, 0 unless it is one [m^2]."""
-        return max(polygon.area(self.inner), 0.0) if self.kind in ("polygon", "unbounded") else 0.0
+        return max(polygons.area(self.inner), 0.0) if self.kind in ("polygon", "unbounded") else 0.0
 
     @property
     def outer_area(self) -> float:
         """Area of the outer polygon, 0 unless it is one [m^2]."""
-        return max(polygon.area(self.outer), 0.0) if self.kind in ("polygon", "unbounded") else 0.0
+        return max(polygons.area(self.outer), 0.0) if self.kind in ("polygon", "unbounded") else 0.0
 
     @cached_property
     def inner_forces(self) -> tuple[PointForces, ...]:
         """Balancing forces inside the cones for each inner corner."""
-        return tuple(point_forces(self._data, s.variables["x"] + self._shift) for s in self._inner_solutions)
+        return self.witnesses.forces()
 
     @cached_property
     def outer_multipliers(self) -> tuple[tuple[Array, Array], ...]:
@@ -84,7 +91,7 @@ class SupportRegion:
         Pairs (linear, angular) [m/s, rad/s] about the mean contact point, world axes: no admissible force prevents the motion
         for a centre of mass beyond the edge. Edges of the clipping square have zeros.
         """
-        return tuple(self._data.units.twist_in_si(t) for t in self._outer_twists)
+        return self.witnesses.motions()
 
     @cached_property
     def halfplanes(self) -> tuple[Array, Array]:
@@ -94,8 +101,10 @@ class SupportRegion:
         """
         if self.kind == "empty":
             return np.array([[0.0, 0.0]]), np.array([-1.0])
-        if self.kind in ("polygon", "unbounded"):
-            return polygon.halfplanes(self.outer)
+        if self.lines is not None:
+            return self.lines[:, :2], self.lines[:, 2]
+        if self.kind == "unbounded":
+            return polygons.halfplanes(self.outer)
         a, b = self.outer[0], self.outer[-1]
         along = (b - a) / np.linalg.norm(b - a) if self.kind == "segment" else np.array([1.0, 0.0])
         across = np.array([-along[1], along[0]])
@@ -111,7 +120,7 @@ class SupportRegion:
         Returns:
             Booleans, shape (...).
         """
-        return self.margin(xy) >= -1e-12 * self._data.units.length
+        return self.margin(xy) >= -1e-12 * self.size
 
     def margin(self, xy: ArrayLike) -> Any:
         """Distance of positions to the edge of the inner polygon, minus the distance outside.
@@ -125,7 +134,7 @@ class SupportRegion:
         points = np.asarray(xy, dtype=float)
         if self.kind == "empty" or not len(self.inner):
             return np.full(points.shape[:-1], -np.inf)
-        return polygon.distance(self.inner, points)
+        return polygons.distance(self.inner, points)
 
     def as_record(self) -> dict[str, Any]:
         """The record's entry."""

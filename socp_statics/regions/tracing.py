@@ -1,49 +1,26 @@
-"""Tracing the support region: empty, point, segment, polygon or without end, each with its witnesses."""
+"""Tracing support regions: by the kernel's compiled tracer where it applies, else one program at a time by any engine."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cache
 from typing import Any
 
 import numpy as np
 
 from socp_statics.cones.choice import ConeChoice, cone_choice
-from socp_statics.contacts import ExternalWrench, Stance
-from socp_statics.contacts.stance import stance_of
-from socp_statics.engines import engines_for
-from socp_statics.engines.engine import Engine
-from socp_statics.engines.solution import INFEASIBLE, SOLVED, UNBOUNDED, Solution
+from socp_statics.contacts import ExternalWrench
+from socp_statics.engines import compiled_first, engines_for
+from socp_statics.engines.threads import checked_threads, in_chunks
 from socp_statics.exceptions import EngineError, InputError
-from socp_statics.models.contact_forces_set import force_shape
-from socp_statics.models.equilibrium import MODEL as EQUILIBRIUM
-from socp_statics.models.hard_rows import MODEL as HARD_ROWS
-from socp_statics.models.hard_rows import hard_values
-from socp_statics.models.largest_reserve import MODEL as LARGEST_RESERVE
-from socp_statics.models.support_region import RegionShape
-from socp_statics.regions import polygon
-from socp_statics.regions.com_margin import refined_margin
-from socp_statics.regions.directions import (
-    CoMPlane,
-    Directions,
-    EmptyRegion,
-    UnboundedDirection,
-    com_plane,
-    load_at,
-    plane_values,
-    recession,
-    widened,
-)
-from socp_statics.regions.polygon import NARROW
-from socp_statics.regions.sandwich import START, Sandwich
+from socp_statics.regions.directions import com_plane
+from socp_statics.regions.question import RegionQuestion, region_question
 from socp_statics.regions.support_region import SupportRegion
-from socp_statics.spatial import Array
-from socp_statics.statics import StaticsData, assemble
-from socp_statics.statics.units import BOUNDARY
+from socp_statics.regions.tracer import ON_EDGE, Tracer
+from socp_statics.regions.witnesses import TracedWitnesses
+from socp_statics.statics import assemble
 
-CLIP = 10.0
-CORNER = 1e-11
-ON_EDGE = 1e-9
+CHUNK = 32
 
 
 def trace_support_region(
@@ -56,7 +33,7 @@ def trace_support_region(
     sides: int | None = None,
     heading: float | None = None,
     form: str = "socp",
-    engine: str = "auto",
+    engine: str | Sequence[str] = "auto",
     gravity: Any = None,
     external_wrenches: Iterable[ExternalWrench | dict[str, Any]] = (),
     torque_limits: bool | Mapping[str, Any] = False,
@@ -72,7 +49,7 @@ def trace_support_region(
         sides: Sides of the pyramids.
         heading: Heading of the pyramids [rad].
         form: "socp" or "sdp".
-        engine: "auto" or the name of an engine.
+        engine: "auto", the name of an engine, or several to be tried in turn.
         gravity: Acceleration of gravity in world axes, shape (3,) [m/s^2].
         external_wrenches: Wrenches impressed on the robot; they stay where they are.
         torque_limits: Whether forces have to respect joint-torque limits: the robot's own, or a mapping of limits. The posture is
@@ -85,282 +62,123 @@ def trace_support_region(
         InputError: A number, name or choice is wrong; gravity is zero or horizontal.
         EngineError: No engine settled the region.
     """
-    with_com = isinstance(contacts, Stance) or hasattr(contacts, "com_jacobian")
-    com = None if with_com else (0.0, 0.0, height)
-    stance = stance_of(contacts, com, mass, gravity, external_wrenches, torque_limits)
     choice = cone_choice(cone, sides, heading)
+    question = region_question(contacts, height, mass, gravity, external_wrenches, torque_limits)
+    _checked_tolerance(tolerance)
+    if compiled_first(engine, form) and question.compiled:
+        (region,) = _by_the_kernel([question], choice, tolerance)
+        if region is not None:
+            return region
+    return _one_by_one(question, choice, form, engine, tolerance)
+
+
+def trace_support_regions(
+    sets: Iterable[Any],
+    tolerance: float = 1e-3,
+    *,
+    threads: int = 1,
+    height: float = 0.0,
+    mass: float | None = None,
+    cone: str | ConeChoice = "exact",
+    sides: int | None = None,
+    heading: float | None = None,
+    form: str = "socp",
+    engine: str | Sequence[str] = "auto",
+    gravity: Any = None,
+    external_wrenches: Iterable[ExternalWrench | dict[str, Any]] = (),
+    torque_limits: bool | Mapping[str, Any] = False,
+) -> list[SupportRegion]:
+    """The support regions of many sets of contacts, one after the other or in threads; each is what `trace_support_region` says.
+
+    Args:
+        sets: Of each region: contacts, a Stance, or a Posture.
+        tolerance: Of (outer area - inner area) / outer area, between 0 and 1.
+        threads: How many threads trace at the same time; the answers do not depend on it.
+        height: Height of the centre of mass; matters only where gravity is not vertical [m].
+        mass: Mass [kg]; may be left out where no bound, limit or external wrench makes it matter.
+        cone: "exact", "inscribed" or "circumscribed", or a ConeChoice.
+        sides: Sides of the pyramids.
+        heading: Heading of the pyramids [rad].
+        form: "socp" or "sdp".
+        engine: "auto", the name of an engine, or several to be tried in turn.
+        gravity: Acceleration of gravity in world axes, shape (3,) [m/s^2].
+        external_wrenches: Wrenches impressed on the robot; they stay where they are.
+        torque_limits: Whether forces have to respect joint-torque limits: the robot's own, or a mapping of limits. The posture is
+            frozen: gravity torques and Jacobians stay those of the posture while the centre of mass moves.
+
+    Returns:
+        The regions, in order.
+
+    Raises:
+        InputError: A number, name or choice is wrong; gravity is zero or horizontal.
+        EngineError: No engine settled the region.
+    """
+    choice = cone_choice(cone, sides, heading)
+    _checked_tolerance(tolerance)
+    checked_threads(threads)
+    questions = [region_question(one, height, mass, gravity, external_wrenches, torque_limits) for one in sets]
+    mine = [i for i, q in enumerate(questions) if compiled_first(engine, form) and q.compiled]
+    regions: list[SupportRegion | None] = [None] * len(questions)
+    found = in_chunks(lambda part: _by_the_kernel([questions[i] for i in part], choice, tolerance), mine, CHUNK, threads)
+    for i, region in zip(mine, found, strict=True):
+        regions[i] = region
+    return [_one_by_one(q, choice, form, engine, tolerance) if r is None else r for q, r in zip(questions, regions, strict=True)]
+
+
+def _checked_tolerance(tolerance: float) -> None:
     if not 0.0 < tolerance < 1.0:
         raise InputError(f"tolerance must be between 0 and 1, got {tolerance!r}", name="tolerance", field="tolerance")
-    if abs(stance.gravity[2]) <= 1e-9 * np.linalg.norm(stance.gravity):
-        raise InputError("gravity must not be zero or horizontal for a support region", name="posture", field="gravity")
-    data = assemble(stance)
+
+
+@cache
+def _kernel() -> tuple[Any, Any, Any, int]:
+    """The compiled tracer and what goes with it, imported when it is first used."""
+    from socp_statics.engines.kernel.pyramids import cone_rows
+    from socp_statics.engines.kernel.tracing import POLYGON, most_directions, trace
+
+    return trace, cone_rows, most_directions, POLYGON
+
+
+def _by_the_kernel(questions: Sequence[RegionQuestion], cone: ConeChoice, tolerance: float) -> list[SupportRegion | None]:
+    """Regions of points that nothing but friction limits; None where the compiled tracer leaves the question to the others."""
+    trace, cone_rows, most_directions, polygon = _kernel()
+    sets = [cone_rows(q.contacts.friction_points, cone) for q in questions]
+    if len(sets) == 1:
+        points, starts, loads = sets[0], np.array([0, len(sets[0])]), questions[0].load()[None]
+    else:
+        points, starts, loads = np.concatenate(sets), np.cumsum([0, *map(len, sets)]), np.array([q.load() for q in questions])
+    counts, numbers, inner, outer, multipliers, motions = trace(points, starts, loads, tolerance, most_directions(tolerance))
+    regions: list[SupportRegion | None] = []
+    at = edges = rows = 0
+    for question, cones, (kind, k, m, solves), (gap, margin, size) in zip(
+        questions, map(len, sets), counts.tolist(), numbers.tolist(), strict=True
+    ):
+        if kind != polygon:
+            regions.append(None)
+            continue
+        held = multipliers[rows : rows + k * cones].reshape(k, 3 * cones)
+        com_margin = None if not question.with_com else 0.0 if -ON_EDGE * size < margin <= 0.0 else margin
+        mine = motions[edges : edges + m]
+        regions.append(
+            SupportRegion.polygon(
+                inner[at : at + k], outer[edges : edges + m], relative_gap=gap, solves=solves, cone=cone, com_margin=com_margin, size=size,
+                lines=mine[:, 6:], witnesses=TracedWitnesses(question.stance, cone, held, mine[:, :6]),
+            )  # fmt: skip
+        )
+        at, edges, rows = at + k, edges + m, rows + k * cones
+    return regions
+
+
+def _one_by_one(question: RegionQuestion, cone: ConeChoice, form: str, engine: str | Sequence[str], tolerance: float) -> SupportRegion:
+    """One region, one program at a time, by the first engine that settles it."""
+    data = assemble(question.stance())
     plane = com_plane(data)
-    engines = engines_for(engine)
+    com = data.com[:2] if question.with_com else None
     broken = None
-    for handovers, one in enumerate(engines):
+    for handovers, one in enumerate(engines_for(engine, form)):
         try:
-            return _Tracer(data, plane, choice, form, one, tolerance, data.com[:2] if with_com else None, handovers).region()
+            return Tracer(data, plane, cone, form, one, tolerance, com, handovers).region()
         except EngineError as error:
             broken = error
     assert broken is not None
     raise broken
-
-
-class _Tracer:
-    """One tracing with one engine; scaled coordinates about the centre of the contacts."""
-
-    def __init__(self, data: StaticsData, plane: CoMPlane, cone: ConeChoice, form: str, engine: Engine, tolerance: float,
-                 com: Array | None, handovers: int):  # fmt: skip
-        self.data, self.plane, self.cone, self.form, self.engine = data, plane, cone, form, engine
-        self.tolerance, self.com, self.handovers = tolerance, com, handovers
-        self.solves = 0
-
-    def region(self) -> SupportRegion:
-        if self.plane.twist is not None:
-            return self._empty()
-        try:
-            return self._traced()
-        except EngineError as error:
-            return self._without_interior(error)
-
-    def _traced(self) -> SupportRegion:
-        return (self._point, self._segment, self._plane)[self.plane.axes.shape[1]]()
-
-    def _without_interior(self, error: EngineError) -> SupportRegion:
-        """What no engine settles because the set of forces has no interior: empty, or traced with cones 1e-7 W wider."""
-        shape = RegionShape(force_shape(self.data, self.cone, self.form, self.plane.basis.shape[1]), self.plane.axes.shape[1], False)
-        if not shape.coordinates:
-            raise error
-        start = load_at(self.data, self.plane.origin)
-        hard, rows = hard_values(self.data, self.plane.basis, start, self.data.com_load @ self.plane.axes)
-        missing = self.engine.compile(HARD_ROWS, hard).solve(rows)
-        self.solves += 1
-        if missing.status == SOLVED and missing.objective > BOUNDARY:
-            return self._empty()
-        values = plane_values(self.data, self.plane, self.cone) | {"cap": np.array(1.0)}
-        solution = self.engine.compile(LARGEST_RESERVE, shape).solve(values)
-        self.solves += 1
-        if solution.status == INFEASIBLE or (solution.status == SOLVED and solution.objective < -BOUNDARY):
-            return self._empty()
-        if solution.status != SOLVED or solution.objective > BOUNDARY:
-            raise error
-        wide, shift = widened(self.data, BOUNDARY + max(-solution.objective, 0.0))
-        tracer = _Tracer(wide, self.plane, self.cone, self.form, self.engine, self.tolerance, self.com, self.handovers)
-        return replace(tracer._traced(), _data=self.data, _shift=shift)
-
-    @property
-    def _unrestricted(self) -> bool:
-        """Whether nothing but the range of G restricts the forces: handles without limits."""
-        return self.data.points == 0 and len(self.data.limit_values) == 0
-
-    def _point(self) -> SupportRegion:
-        """No free coordinate: one position is in reach, it is the region or there is none."""
-        position = self.plane.origin
-        compiled = self.engine.compile(EQUILIBRIUM, force_shape(self.data, self.cone, self.form, self.plane.basis.shape[1]))
-        values = plane_values(self.data, self.plane, self.cone) | {"cap": np.array(1.0)}
-        solution = compiled.solve(values)
-        self.solves += 1
-        if solution.status == INFEASIBLE or (solution.status == SOLVED and solution.objective < -NARROW):
-            return self._empty()
-        if solution.status != SOLVED:
-            raise EngineError(f"engine {self.engine.name} did not settle whether a point is in balance", name=self.engine.name)
-        return self._flat([position], [solution], [])
-
-    def _segment(self) -> SupportRegion:
-        """One free coordinate: its two ends."""
-        if self._unrestricted:
-            return self._endless_line([-1.0, 1.0], [])
-        directions = Directions(self.data, self.plane, self.cone, self.form, self.engine)
-        ends = [directions.solve((sign,)) for sign in (-1.0, 1.0)]
-        self.solves += 2
-        if ends[0].status == INFEASIBLE:
-            return self._empty()
-        endless = [sign for sign, end in zip((-1.0, 1.0), ends, strict=True) if end.status == UNBOUNDED]
-        if endless:
-            return self._endless_line(endless, ends)
-        points = [directions.position(e.variables["s"]) for e in ends]
-        bounds = [directions.position(np.array([sign * e.bound])) for sign, e in zip((-1.0, 1.0), ends, strict=True)]
-        return self._flat(points, ends, bounds)
-
-    def _flat(self, points: list[Array], solutions: list[Solution], bounds: list[Array]) -> SupportRegion:
-        """A segment, or a point where it is too short to be one."""
-        length = float(np.linalg.norm(points[-1] - points[0]))
-        if length < NARROW:
-            points, solutions, bounds = points[:1], solutions[:1], points[:1]
-            gap = 0.0
-        else:
-            outer = float(np.linalg.norm(bounds[-1] - bounds[0]))
-            gap = max(outer - length, 0.0) / max(outer, length)
-        kind = "segment" if len(points) == 2 else "point"
-        inner = np.array(points)
-        margin = None if self.com is None else float(polygon.distance(inner, self.com))
-        twists = [np.zeros(6) for _ in bounds]
-        return self._result(kind, inner, np.array(bounds), np.zeros((0, 2)), gap, margin, solutions, twists)
-
-    def _endless_line(self, signs: list[float], ends: list[Solution]) -> SupportRegion:
-        """One free coordinate without an end on one side or both: a ray or a line, clipped to the square."""
-        axis = self.plane.axes[:, 0]
-        rays = np.array([sign * axis + 0.0 for sign in signs])
-        low = -np.inf if -1.0 in signs else float(ends[0].variable("s")[0])
-        high = np.inf if 1.0 in signs else float(ends[1].variable("s")[0])
-        margin = None
-        if self.com is not None:
-            along = float(np.clip(axis @ (self.com - self.plane.origin), low, high))
-            margin = -float(np.linalg.norm(self.com - self.plane.origin - along * axis))
-        start, stop = self._inside_square(axis)
-        if start >= stop or start > high or stop < low:
-            none = np.zeros((0, 2))
-            return self._result("unbounded", none, none, rays, 0.0, margin, [], [])
-        centred = replace(self.plane, origin=self.plane.origin + 0.5 * (start + stop) * axis)
-        clipped = Directions(self.data, centred, self.cone, self.form, self.engine, clip=0.5 * (stop - start))
-        found = [clipped.solve((sign,)) for sign in (-1.0, 1.0)]
-        self.solves += 2
-        if any(s.status != SOLVED for s in found):
-            raise EngineError(f"engine {self.engine.name} did not settle an endless segment", name=self.engine.name)
-        points = np.array([clipped.position(s.variables["s"]) for s in found])
-        return self._result("unbounded", points, points, rays, 0.0, margin, found, [np.zeros(6)] * 2)
-
-    def _inside_square(self, axis: Array) -> tuple[float, float]:
-        """Between which coordinates a line lies in the clipping square."""
-        start, stop = -np.inf, np.inf
-        for a, o in zip(axis, self.plane.origin, strict=True):
-            if abs(a) > 1e-12:
-                ends = sorted(((-CLIP - o) / a, (CLIP - o) / a))
-                start, stop = max(start, ends[0]), min(stop, ends[1])
-            elif abs(o) > CLIP:
-                return 0.0, 0.0
-        return start, stop
-
-    def _plane(self) -> SupportRegion:
-        """Two free coordinates."""
-        if self._unrestricted:
-            return self._endless()
-        directions = Directions(self.data, self.plane, self.cone, self.form, self.engine)
-        try:
-            sandwich = Sandwich(directions.support, [directions.support(d) for d in START])
-        except EmptyRegion:
-            self.solves += directions.queries
-            return self._empty()
-        except UnboundedDirection:
-            self.solves += directions.queries
-            return self._endless()
-        return self._enclosed(directions, sandwich)
-
-    def _enclosed(self, directions: Directions, sandwich: Sandwich) -> SupportRegion:
-        thin = not sandwich.refine(self.tolerance, self._is_thin) or self._is_thin(sandwich)
-        if thin:
-            self.solves += directions.queries
-            return self._narrow(directions, sandwich)
-        margin = None if self.com is None else refined_margin(sandwich, self.com, None)
-        self.solves += directions.queries
-        return self._polygon("polygon", directions, sandwich, np.zeros((0, 2)), margin)
-
-    @staticmethod
-    def _is_thin(sandwich: Sandwich) -> bool:
-        return polygon.width(sandwich.polygon()) < NARROW
-
-    def _narrow(self, directions: Directions, sandwich: Sandwich) -> SupportRegion:
-        """A region without width: its two farthest attained points."""
-        supports = sandwich.supports()
-        P = np.array([s.c for s in supports])
-        away = np.linalg.norm(P[:, None] - P[None], axis=2)
-        i, j = (int(k) for k in np.unravel_index(int(np.argmax(away)), away.shape))
-        if away[i, j] < NARROW:
-            return self._flat([P[i]], [supports[i].kept], [])
-        u = (P[j] - P[i]) / away[i, j]
-        ends = [directions.support((float(-u[0]), float(-u[1]))), directions.support((float(u[0]), float(u[1])))]
-        self.solves += 2
-        bounds = [np.array(e.c) + (e.h - float(np.dot(e.d, e.c))) * np.array(e.d) for e in ends]
-        return self._flat([np.array(e.c) for e in ends], [e.kept for e in ends], bounds)
-
-    def _endless(self) -> SupportRegion:
-        """A region without end: its recession cone, and what lies in the clipping square."""
-        cone = Directions(recession(self.data), CoMPlane(np.zeros(2), np.eye(2), self.plane.basis, None), self.cone, self.form,
-                          self.engine, clip=1.0)  # fmt: skip
-        growth = Sandwich(cone.support, [cone.support(d) for d in START])
-        growth.refine(1e-7, self._is_thin)
-        rays = _recession_rays(np.array([s.c for s in growth.supports()]))
-        self.solves += cone.queries
-        if not len(rays):
-            raise EngineError(f"engine {self.engine.name} found a region without end but no direction of growth", name=self.engine.name)
-        margin = self._endless_margin(rays)
-        directions = Directions(self.data, self.plane, self.cone, self.form, self.engine, clip=CLIP)
-        try:
-            sandwich = Sandwich(directions.support, [directions.support(d) for d in START])
-        except EmptyRegion:
-            self.solves += directions.queries
-            return self._result("unbounded", np.zeros((0, 2)), np.zeros((0, 2)), rays, 0.0, margin, [], [])
-        sandwich.refine(self.tolerance, self._is_thin)
-        self.solves += directions.queries
-        return self._polygon("unbounded", directions, sandwich, rays, margin)
-
-    def _endless_margin(self, rays: Array) -> float | None:
-        """CoM margin in a region without end, seen through a square that holds the centre of mass."""
-        if self.com is None:
-            return None
-        if len(rays) == 4:
-            return np.inf
-        clip = max(CLIP, 4.0 * float(np.abs(self.com).max()))
-        directions = Directions(self.data, self.plane, self.cone, self.form, self.engine, clip=clip)
-        sandwich = Sandwich(directions.support, [directions.support(d) for d in START])
-        margin = refined_margin(sandwich, self.com, clip)
-        self.solves += directions.queries
-        return margin
-
-    def _polygon(self, kind: str, directions: Directions, sandwich: Sandwich, rays: Array, margin: float | None) -> SupportRegion:
-        supports = sandwich.supports()
-        inner = np.array([s.c for s in supports])
-        mine = polygon.corners(inner, CORNER)
-        used, outer = sandwich.outer_polygon()
-        a, b = polygon.area(inner[mine]), polygon.area(outer)
-        gap = max(0.0, (b - a) / b)
-        twists = [directions.twist(supports[k].kept) for k in used]
-        return self._result(kind, inner[mine], outer, rays, gap, margin, [supports[k].kept for k in mine], twists)
-
-    def _empty(self) -> SupportRegion:
-        none = np.zeros((0, 2))
-        return self._result("empty", none, none, none, 0.0, None, [], [])
-
-    def _result(self, kind: str, inner: Array, outer: Array, rays: Array, gap: float, margin: float | None,
-                solutions: list[Solution], twists: list[Array]) -> SupportRegion:  # fmt: skip
-        units = self.data.units
-        origin, length = units.origin[:2], units.length
-        reach = CLIP * length
-        square = (origin[0] - reach, origin[0] + reach, origin[1] - reach, origin[1] + reach)
-        return SupportRegion(
-            kind=kind,
-            inner=origin + length * inner,
-            outer=origin + length * outer,
-            rays=rays,
-            relative_gap=gap,
-            solves=self.solves,
-            cone=self.cone,
-            engine=self.engine.name,
-            handovers=self.handovers,
-            com_margin=None if margin is None else 0.0 if -ON_EDGE < margin <= 0.0 else margin * length,
-            clip=tuple(float(v) for v in square) if kind == "unbounded" else None,  # type: ignore[arg-type]
-            _data=self.data,
-            _inner_solutions=tuple(solutions),
-            _outer_twists=tuple(twists),
-        )
-
-
-def _recession_rays(points: Array) -> Array:
-    """Generators of a plane cone from the corners of its part in the unit square; none for the origin alone."""
-    far = points[np.abs(points).max(axis=1) > 0.5]
-    if not len(far):
-        return np.zeros((0, 2))
-    angles = np.sort(np.arctan2(far[:, 1], far[:, 0]))
-    gaps = np.diff(np.append(angles, angles[0] + 2 * np.pi))
-    k = int(np.argmax(gaps))
-    if gaps[k] < np.pi - 1e-6:
-        return np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
-    first, last = angles[(k + 1) % len(angles)], angles[k]
-    span = (last - first) % (2 * np.pi)
-    at = [first] if span < 1e-6 else [first, first + span]
-    if span >= np.pi - 1e-6 and len(far) > 2:
-        # Two opposite rays alone would only generate a line.
-        at.insert(1, first + span / 2)
-    rays = np.column_stack([np.cos(at), np.sin(at)])
-    rays[np.abs(rays) < 1e-9] = 0.0
-    return rays

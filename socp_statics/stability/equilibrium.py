@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,7 +13,9 @@ from socp_statics.certificates.contact_motion import contact_motion
 from socp_statics.cones.choice import ConeChoice, cone_choice
 from socp_statics.contacts import ContactSet, ExternalWrench, Stance
 from socp_statics.contacts.stance import stance_of
+from socp_statics.engines import compiled_first
 from socp_statics.spatial import Array
+from socp_statics.stability.compiled_margin import compiled_margin
 from socp_statics.stability.idle import idle_contacts
 from socp_statics.stability.margin import Margin, normal_force_margin
 from socp_statics.statics import PointForces, StaticsData, assemble, point_forces
@@ -73,7 +75,7 @@ def check_equilibrium(
     sides: int | None = None,
     heading: float | None = None,
     form: str = "socp",
-    engine: str = "auto",
+    engine: str | Sequence[str] = "auto",
     gravity: Any = None,
     external_wrenches: Iterable[ExternalWrench | dict[str, Any]] = (),
     torque_limits: bool | Mapping[str, Any] = False,
@@ -88,7 +90,7 @@ def check_equilibrium(
         sides: Sides of the pyramids.
         heading: Heading of the pyramids [rad].
         form: "socp" or "sdp".
-        engine: "auto" or the name of an engine.
+        engine: "auto", the name of an engine, or several to be tried in turn.
         gravity: Acceleration of gravity in world axes, shape (3,) [m/s^2].
         external_wrenches: Wrenches impressed on the robot.
         torque_limits: Whether forces have to respect joint-torque limits: the robot's own, or a mapping of limits.
@@ -110,9 +112,11 @@ def check_equilibrium(
     return answer
 
 
-def _checked(stance: Stance, choice: ConeChoice, form: str, engine: str) -> EquilibriumAnswer:
+def _checked(stance: Stance, choice: ConeChoice, form: str, engine: str | Sequence[str]) -> EquilibriumAnswer:
     data = assemble(stance)
-    margin = normal_force_margin(data, choice, form, engine)
+    margin = compiled_margin(stance, data, choice) if compiled_first(engine, form) else None
+    if margin is None:
+        margin = normal_force_margin(data, choice, form, engine)
     if np.isnan(margin.value):
         return _answer(data, choice, margin, "undecided", "rank")
     if margin.value >= BOUNDARY:
@@ -148,7 +152,7 @@ def joint_torques_of(data: StaticsData, x: Array) -> dict[str, float] | None:
 
 
 def _at_the_boundary(
-    stance: Stance, data: StaticsData, cone: ConeChoice, margin: Margin, form: str, engine: str
+    stance: Stance, data: StaticsData, cone: ConeChoice, margin: Margin, form: str, engine: str | Sequence[str]
 ) -> EquilibriumAnswer:
     """A margin of zero: idle contacts get no force, the reserve of the others decides."""
     undecided = _answer(data, cone, margin, "undecided", "boundary")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -28,14 +29,14 @@ class IdleContacts(NamedTuple):
     motion: Motion
 
 
-def idle_contacts(data: StaticsData, cone: ConeChoice, form: str, engine: str, x: Array | None) -> IdleContacts:
+def idle_contacts(data: StaticsData, cone: ConeChoice, form: str, engine: str | Sequence[str], x: Array | None) -> IdleContacts:
     """Find the contacts that cannot be loaded.
 
     Args:
         data: The stance's arrays.
         cone: Exact cones or pyramids.
         form: "socp" or "sdp".
-        engine: "auto" or the name of an engine.
+        engine: "auto", the name of an engine, or several to be tried in turn.
         x: Scaled forces that balance the load: contacts that they load need no question.
 
     Returns:
@@ -57,7 +58,7 @@ def idle_contacts(data: StaticsData, cone: ConeChoice, form: str, engine: str, x
         normal[data.normal][data.contact_of_point == k] = 1.0
         if x is not None and float(normal @ x) > LOADED:
             continue
-        for one in engines_for(engine):
+        for one in engines_for(engine, form):
             solution = one.compile(MODEL, shape).solve({**values, "c": normal})
             if solution.status != "failed":
                 break

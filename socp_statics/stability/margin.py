@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -50,14 +51,14 @@ class Margin:
     handovers: int
 
 
-def normal_force_margin(data: StaticsData, cone: ConeChoice, form: str, engine: str) -> Margin:
+def normal_force_margin(data: StaticsData, cone: ConeChoice, form: str, engine: str | Sequence[str]) -> Margin:
     """Largest reserve t for which balancing forces exist with ``f - t n`` in every cone.
 
     Args:
         data: The stance's arrays.
         cone: Exact cones or pyramids.
         form: "socp" or "sdp".
-        engine: "auto" or the name of an engine.
+        engine: "auto", the name of an engine, or several to be tried in turn.
 
     Returns:
         The margin with its certificate.
@@ -67,7 +68,7 @@ def normal_force_margin(data: StaticsData, cone: ConeChoice, form: str, engine: 
         InputError: There is no such engine.
     """
     reach = wrench_range(data.wrench_map)
-    engines = engines_for(engine)
+    engines = engines_for(engine, form)
     outside = reach.outside(data.load)
     if outside > OUTSIDE:
         motion = motion_of(data, reach.null @ (reach.null.T @ data.load))
@@ -78,7 +79,7 @@ def normal_force_margin(data: StaticsData, cone: ConeChoice, form: str, engine: 
         margin = _settled(data, cone, form, one, reach)
         if margin is not None:
             return replace(margin, handovers=handovers)
-    raise EngineError(f"the margin was not settled to {FORCE_TOLERANCE:g} by {', '.join(e.name for e in engines)}", name=engine)
+    raise EngineError(f"the margin was not settled to {FORCE_TOLERANCE:g} by {', '.join(e.name for e in engines)}", name=engines[-1].name)
 
 
 def _settled(data: StaticsData, cone: ConeChoice, form: str, engine: Engine, reach: WrenchRange) -> Margin | None:
@@ -125,6 +126,10 @@ def _finite(
         return None
     motion = motion_of(data, reach.basis @ solution.duals["balance"], solution.duals.get("limits")) if t < BOUNDARY else None
     if motion is not None and t <= -BOUNDARY:
+        # There are no forces to check: what is left of the constraints moves the margin by as much as the multipliers say.
+        error = solution.residuals.primal * (1.0 + max(float(np.abs(y).max(initial=0.0)) for y in solution.duals.values()))
+        if error > BOUNDARY * max(1.0, -t):
+            return None
         certificate = motion_certificate(data, cone, motion)
         return None if certificate is None else Margin(t, None, None, certificate, motion, gap, engine.name, 0)
     held = force_residuals(data, cone, x)
@@ -145,6 +150,8 @@ def _internal_force_inside(data: StaticsData, cone: ConeChoice, form: str, engin
 
     The margin program without load, with zero bounds and limits, is a cone: its value is 0 or whatever the cap allows.
     """
+    if np.isfinite(data.bounds[:, 1]).any():
+        return False
     free = replace(
         data,
         load=np.zeros(6),
@@ -153,8 +160,5 @@ def _internal_force_inside(data: StaticsData, cone: ConeChoice, form: str, engin
     )
     compiled = engine.compile(MODEL, force_shape(data, cone, form, reach.rank))
     values = force_values(free, cone, reach.basis)
-    equal = data.bounds[:, 0] == data.bounds[:, 1]
-    if equal.any():
-        return False
     solution = compiled.solve({**values, "cap": 1.0})
     return solution.status == SOLVED and float(solution.objective) > 0.5

@@ -54,3 +54,22 @@ def units_of(stance: Stance) -> Units:
     for wrench in stance.external_wrenches:
         loads += [float(np.linalg.norm(wrench.force)), float(np.linalg.norm(wrench.moment)) / size]
     return Units(force=max(loads) or 1.0, length=size, origin=stance.contacts.centre)
+
+
+def loads_row(stance: Stance, units: Units) -> Array:
+    """The load of a stance in SI, as the compiled programs read it.
+
+    Args:
+        stance: The stance.
+        units: Its units.
+
+    Returns:
+        Force of gravity (3) [N], other impressed wrenches about the mean contact point (6) [N, N m], and W [N], shape (10,).
+    """
+    row = np.zeros(10)
+    row[:3] = stance.mass * stance.gravity
+    for wrench in stance.external_wrenches:
+        row[3:6] += wrench.force
+        row[6:9] += wrench.moment_about(units.origin)
+    row[9] = units.force
+    return row

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, Self
 
@@ -102,7 +102,7 @@ class Answer:
     """
 
     parameters: type[Parameters]
-    compute: Callable[[Problem, Stance, str], dict[str, Any]]
+    compute: Callable[[Problem, Stance, str | Sequence[str]], dict[str, Any]]
     record_keys: dict[str, Any] = field(default_factory=lambda: RECORD_KEYS)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, ValidationInfo, model_validator
@@ -87,13 +88,13 @@ def force_answer_keys(found: ForceAnswer, stance: Stance) -> dict[str, Any]:
     }
 
 
-def answer(problem: Problem, stance: Stance, engine: str) -> dict[str, Any]:
+def answer(problem: Problem, stance: Stance, engine: str | Sequence[str]) -> dict[str, Any]:
     """The forces with the least objective.
 
     Args:
         problem: Its parameters.
         stance: Its stance.
-        engine: Name of the engine.
+        engine: "auto", the name of an engine, or several to be tried in turn.
     """
     # the answers are listed and problems validated without a solver: it is imported when one is solved
     from socp_statics.optimization import optimise_contact_forces

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from pydantic import Field
@@ -64,13 +65,13 @@ def verdict_keys(answer: EquilibriumAnswer, stance: Stance) -> dict[str, Any]:
     }
 
 
-def answer(problem: Problem, stance: Stance, engine: str) -> dict[str, Any]:
+def answer(problem: Problem, stance: Stance, engine: str | Sequence[str]) -> dict[str, Any]:
     """Verdict, margin and certificate; with ``safety`` also the verdict against the offset.
 
     Args:
         problem: Its parameters.
         stance: Its stance.
-        engine: Name of the engine.
+        engine: "auto", the name of an engine, or several to be tried in turn.
     """
     # the answers are listed and problems validated without a solver: it is imported when one is solved
     from socp_statics.stability import check_equilibrium

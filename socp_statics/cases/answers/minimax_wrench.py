@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
 from pydantic import Field
@@ -24,13 +25,13 @@ class MinimaxWrenchParameters(Parameters):
     length: float = Field(0.1, gt=0, description="a finite length > 0 [m] that divides moments")
 
 
-def answer(problem: Problem, stance: Stance, engine: str) -> dict[str, Any]:
+def answer(problem: Problem, stance: Stance, engine: str | Sequence[str]) -> dict[str, Any]:
     """The forces whose largest measure is least.
 
     Args:
         problem: Its parameters.
         stance: Its stance.
-        engine: Name of the engine.
+        engine: "auto", the name of an engine, or several to be tried in turn.
     """
     # the answers are listed and problems validated without a solver: it is imported when one is solved
     from socp_statics.optimization import minimise_largest_wrench

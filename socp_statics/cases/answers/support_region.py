@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from pydantic import Field
@@ -52,13 +53,13 @@ def agree(com_margin: float | None, verdict: str) -> float | None:
     return max(com_margin, 0.0) if verdict == "stable" else min(com_margin, 0.0)
 
 
-def answer(problem: Problem, stance: Stance, engine: str) -> dict[str, Any]:
+def answer(problem: Problem, stance: Stance, engine: str | Sequence[str]) -> dict[str, Any]:
     """The region with its certificates, and the verdict at the posture's CoM.
 
     Args:
         problem: Its parameters.
         stance: Its stance.
-        engine: Name of the engine.
+        engine: "auto", the name of an engine, or several to be tried in turn.
     """
     from socp_statics.regions import trace_support_region
     from socp_statics.stability import check_equilibrium

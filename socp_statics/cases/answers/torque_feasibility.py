@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from pydantic import Field, ValidationInfo, field_validator
@@ -30,13 +31,13 @@ class TorqueFeasibilityParameters(Parameters):
         return value
 
 
-def answer(problem: Problem, stance: Stance, engine: str) -> dict[str, Any]:
+def answer(problem: Problem, stance: Stance, engine: str | Sequence[str]) -> dict[str, Any]:
     """The forces whose worst share of the torque limits is least; the objective is that share.
 
     Args:
         problem: Its parameters.
         stance: Its stance.
-        engine: Name of the engine.
+        engine: "auto", the name of an engine, or several to be tried in turn.
     """
     # the answers are listed and problems validated without a solver: it is imported when one is solved
     from socp_statics.optimization import minimise_torque_use

@@ -1,0 +1,192 @@
+"""What engines on canonical conic data share: sessions whose data follow the parameters, solutions read back by name, compilations kept."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from socp_statics.engines.conic_form import ConicData, ConicForm
+from socp_statics.engines.solution import Residuals, Solution
+from socp_statics.models.program import ConicModel
+from socp_statics.spatial import Array
+
+ACCEPTED = 1e-8
+
+
+class ConicSession:
+    """One instance of a program; a few parameters change from solve to solve.
+
+    An engine says how its solver takes over a new cost (`take_cost`) or new data (`take_data`), and how it answers (`answer`).
+
+    Args:
+        form: Canonical form of the program.
+        values: Values of all its parameters.
+    """
+
+    def __init__(self, form: ConicForm, values: Mapping[str, ArrayLike]):
+        self.form = form
+        self._p = form.parameter_vector(values)
+        self.data = form.data(self._p)
+        self.offset = form.offset(self._p)
+        self._costs: dict[str, tuple[Array, Array]] = {}
+
+    def solve(self, **changed: ArrayLike) -> Solution:
+        """Solve with some parameters changed; they stay changed.
+
+        Args:
+            **changed: New values by parameter name.
+
+        Returns:
+            The solution.
+        """
+        if changed:
+            form, p = self.form, self._p
+            for name, value in changed.items():
+                form.put(p, name, value)
+            if len(changed) == 1 and form.only_q[name]:
+                base, slope = self._cost(name)
+                q = base + slope @ p[form.where[name]]
+                self.data = ConicData(self.data.P, q, self.data.A, self.data.b)
+                self.take_cost(q)
+            else:
+                self._costs.clear()
+                self.data = form.data(p)
+                self.offset = form.offset(p)
+                self.take_data()
+        return self.answer()
+
+    def take_cost(self, q: Array) -> None:
+        """Give the solver a new linear cost."""
+        raise TypeError(f"{type(self).__name__} does not say how to change the cost")
+
+    def take_data(self) -> None:
+        """Give the solver the new `data`."""
+        raise TypeError(f"{type(self).__name__} does not say how to change the data")
+
+    def answer(self) -> Solution:
+        """Solve."""
+        raise TypeError(f"{type(self).__name__} does not say how to solve")
+
+    def _cost(self, name: str) -> tuple[Array, Array]:
+        """Q as an affine function of one parameter, the others as they are."""
+        if name not in self._costs:
+            others = self._p.copy()
+            others[self.form.where[name]] = 0.0
+            self._costs = {name: (self.form.linear_cost(others), self.form.cost_slope(name))}
+        return self._costs[name]
+
+
+class ConicSolution:
+    """An answer to one instance; see `engines.solution.Solution`. An engine says where `x` and `y` are.
+
+    Args:
+        form: Canonical form of the program.
+        data: The instance.
+        offset: Constant of its objective.
+        status: Status in the words of `engines.solution`.
+        detail: The solver's own word.
+        values: The solver's primal and dual objective.
+    """
+
+    engine = ""
+
+    def __init__(self, form: ConicForm, data: ConicData, offset: float, status: str, detail: str, values: tuple[float, float]):
+        self.form, self.data = form, data
+        self.status, self.detail = status, detail
+        self._offset, self._values = offset, values
+
+    @property
+    def x(self) -> Array:
+        """The canonical variables, shape (columns,)."""
+        raise TypeError(f"{type(self).__name__} does not say where its variables are")
+
+    @property
+    def y(self) -> Array:
+        """The conic multipliers, shape (rows,)."""
+        raise TypeError(f"{type(self).__name__} does not say where its multipliers are")
+
+    @property
+    def objective(self) -> float:
+        """Value of the objective, scaled."""
+        return self._in_the_sense_of_the_program(self._values[0])
+
+    @property
+    def bound(self) -> float:
+        """Value of the dual objective, scaled."""
+        return self._in_the_sense_of_the_program(self._values[1])
+
+    def _in_the_sense_of_the_program(self, value: float) -> float:
+        return -(value + self._offset) if self.form.maximise else value + self._offset
+
+    @cached_property
+    def variables(self) -> Mapping[str, Array]:
+        """Variables by name."""
+        return self.form.variables(self.x)
+
+    def variable(self, name: str) -> Sequence[float]:
+        """One variable without the others."""
+        x = self.x
+        return [float(x[i]) for i in self.form.variable_places[name]]
+
+    @cached_property
+    def duals(self) -> Mapping[str, Array]:
+        """Multipliers by constraint name."""
+        return self.form.duals(self.y)
+
+    @cached_property
+    def gap(self) -> float:
+        """Relative gap recomputed from the data."""
+        return self.form.gap(self.data, self.x, self.y)
+
+    @cached_property
+    def residuals(self) -> Residuals:
+        """Residuals recomputed from the data."""
+        return self.form.residuals(self.data, self.x, self.y)
+
+
+class ConicCompiled:
+    """A model compiled for one shape.
+
+    Args:
+        form: Canonical form of its program.
+        session: The engine's kind of session.
+    """
+
+    def __init__(self, form: ConicForm, session: type[ConicSession]):
+        self._form, self._session = form, session
+
+    def session(self, values: Mapping[str, ArrayLike]) -> ConicSession:
+        """A solver built on real data, for many solves that differ in few parameters."""
+        return self._session(self._form, values)
+
+    def solve(self, values: Mapping[str, ArrayLike]) -> Solution:
+        """One solve."""
+        return self.session(values).solve()
+
+
+class ConicEngine:
+    """An engine on canonical data; compilations are kept by model and shape."""
+
+    name = ""
+    session: type[ConicSession] = ConicSession
+
+    def __init__(self) -> None:
+        self._cache: dict[tuple[str, Any], ConicCompiled] = {}
+
+    def accepts(self, model: ConicModel | None, form: str) -> bool:
+        """Every model in every form."""
+        return True
+
+    def form_of(self, model: ConicModel, shape: Any) -> ConicForm:
+        """The canonical form of a model's program for a shape."""
+        return ConicForm(model.declare(shape))
+
+    def compile(self, model: ConicModel, shape: Any) -> ConicCompiled:
+        """The compiled model, made once for each shape."""
+        key = (model.name, shape)
+        if key not in self._cache:
+            self._cache[key] = ConicCompiled(self.form_of(model, shape), self.session)
+        return self._cache[key]

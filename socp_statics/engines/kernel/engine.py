@@ -1,0 +1,133 @@
+"""The kernel as an engine: canonical programs without semidefinite cones, solved by our own compiled interior-point method."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from socp_statics.engines.conic_form import ConicData, ConicForm
+from socp_statics.engines.conic_session import ACCEPTED, ConicEngine, ConicSession, ConicSolution
+from socp_statics.engines.kernel import conic
+from socp_statics.engines.solution import FAILED, INFEASIBLE, SOLVED, UNBOUNDED
+from socp_statics.exceptions import EngineError
+from socp_statics.models.program import ConicModel
+from socp_statics.spatial import Array
+
+NAME = "kernel"
+ROUNDING = 1e-14
+ANSWERS = {
+    conic.SOLVED: (SOLVED, "solved"),
+    conic.INFEASIBLE: (INFEASIBLE, "infeasible"),
+    conic.UNBOUNDED: (UNBOUNDED, "unbounded"),
+    conic.ITERATION_LIMIT: (FAILED, "iteration limit"),
+    conic.STALLED: (FAILED, "stalled"),
+}
+
+
+class Session(ConicSession):
+    """One instance of a program, prepared for many solves."""
+
+    def __init__(self, form: ConicForm, values: Mapping[str, ArrayLike]):
+        super().__init__(form, values)
+        zero, A = form.cones.zero, self.data.A
+        self._soc = np.array(form.cones.soc, dtype=np.int64)
+        self._right = np.empty(form.columns + form.rows)
+        self._slack = np.empty(form.rows - zero)
+        # The pattern of the canonical matrix never changes, so where its entries go is found once.
+        column = np.repeat(np.arange(form.columns), np.diff(A.indptr))
+        order = np.lexsort((column, A.indices))
+        equal, below = np.split(order, [np.searchsorted(A.indices[order], zero)])
+        self._equal, self._place = equal, A.indices[equal] * form.columns + column[equal]
+        self._below, self._row, self._column = below, A.indices[below] - zero, column[below].astype(np.int64)
+        self.take_data()
+
+    def take_cost(self, q: Array) -> None:
+        """A new cost needs no preparation."""
+        self._right[: len(q)] = q
+
+    def take_data(self) -> None:
+        """Prepare the new matrices."""
+        form, data = self.form, self.data
+        self._right[: form.columns] = data.q
+        self._right[form.columns :] = data.b
+        A = np.zeros((form.cones.zero, form.columns))
+        A.ravel()[self._place] = data.A.data[self._equal]
+        value = data.A.data[self._below]
+        # Entries that are zero but for rounding would couple unknowns that have nothing to do with each other.
+        some = np.flatnonzero(np.abs(value) > ROUNDING * np.abs(value).max(initial=0.0))
+        start = np.concatenate([[0], np.cumsum(np.bincount(self._row[some], minlength=form.rows - form.cones.zero))])
+        diagonal = data.P.diagonal() if data.P.nnz else np.zeros(form.columns)
+        self._plan = conic.prepare(diagonal, A, start, self._column[some], value[some], form.cones.nonneg, self._soc)
+
+    def answer(self) -> KernelSolution:
+        """Solve."""
+        n, zero, (W, F) = self.form.columns, self.form.cones.zero, self._plan
+        x, y, s, right = np.empty(n), np.empty(self.form.rows), self._slack, self._right
+        status, steps = conic.solve(W, F, right[:n], right[n : n + zero], right[n + zero :], conic.ITERATIONS, x, y[:zero], y[zero:], s)
+        values = conic.values(W, F)
+        if status == conic.SOLVED and not self._holds(x, s):
+            status = conic.STALLED
+        return KernelSolution(self.form, self.data, self.offset, status, steps, x, y, values)
+
+    def _holds(self, x: Array, s: Array) -> bool:
+        """Whether a solution keeps its constraints in the units of the data, to what is accepted."""
+        left = self.data.A @ x - self.data.b
+        left[self.form.cones.zero :] += s
+        return bool(np.abs(left).max(initial=0.0) <= ACCEPTED * max(1.0, float(np.abs(x).max(initial=0.0))))
+
+
+class KernelSolution(ConicSolution):
+    """The kernel's answer to one instance.
+
+    Attributes:
+        steps: How many steps the method took.
+    """
+
+    engine = NAME
+
+    def __init__(
+        self, form: ConicForm, data: ConicData, offset: float, status: int, steps: int, x: Array, y: Array, values: tuple[float, float]
+    ):
+        word, detail = ANSWERS[status]
+        self._x, self._y, self.steps = x, y, steps
+        super().__init__(form, data, offset, word, detail, values)
+        # The solver stopped short of what it was asked for: what it has is judged by its residuals.
+        if word == FAILED and max(self.residuals) <= ACCEPTED:
+            self.status = SOLVED
+
+    @property
+    def x(self) -> Array:
+        """The canonical variables."""
+        return self._x
+
+    @property
+    def y(self) -> Array:
+        """The conic multipliers."""
+        return self._y
+
+
+class KernelEngine(ConicEngine):
+    """The kernel on canonical data: every model whose cones are not semidefinite."""
+
+    name = NAME
+    session = Session
+
+    def accepts(self, model: ConicModel | None, form: str) -> bool:
+        """Every model as a second-order cone program."""
+        return form != "sdp"
+
+    def form_of(self, model: ConicModel, shape: Any) -> ConicForm:
+        """The canonical form of a model's program for a shape.
+
+        Raises:
+            EngineError: The program has semidefinite cones, or a quadratic cost with products of different unknowns.
+        """
+        form = super().form_of(model, shape)
+        if form.cones.psd:
+            raise EngineError(f"the kernel takes no semidefinite cones, {model.name} in this shape has {len(form.cones.psd)}", name=NAME)
+        if not form.diagonal_cost:
+            raise EngineError(f"the kernel takes no products of different unknowns in a cost, {model.name} has some", name=NAME)
+        return form

@@ -1,0 +1,77 @@
+"""What a traced region rests on: forces at its inner corners and motions at its outer edges, made when somebody looks at them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+
+from socp_statics.cones.choice import ConeChoice
+from socp_statics.contacts import Stance
+from socp_statics.engines.solution import Solution
+from socp_statics.spatial import Array
+from socp_statics.statics import PointForces, StaticsData, assemble, point_forces
+
+
+class Witnesses(Protocol):
+    """Forces and motions behind the corners and edges of a region."""
+
+    def forces(self) -> tuple[PointForces, ...]:
+        """Balancing forces for each inner corner."""
+        ...
+
+    def motions(self) -> tuple[tuple[Array, Array], ...]:
+        """(linear, angular) about the mean contact point for each outer edge [m/s, rad/s]."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class SolvedWitnesses:
+    """Of solutions, one a support direction; ``shift`` is added to the unknowns of solutions with widened cones."""
+
+    data: StaticsData
+    solutions: tuple[Solution, ...]
+    twists: tuple[Array, ...]
+    shift: Array | float = 0.0
+
+    def forces(self) -> tuple[PointForces, ...]:
+        """Balancing forces for each inner corner."""
+        return tuple(point_forces(self.data, s.variables["x"] + self.shift) for s in self.solutions)
+
+    def motions(self) -> tuple[tuple[Array, Array], ...]:
+        """(linear, angular) about the mean contact point for each outer edge [m/s, rad/s]."""
+        return tuple(self.data.units.twist_in_si(t) for t in self.twists)
+
+
+class TracedWitnesses:
+    """Of the compiled tracer: multipliers of the cones and motions, as it leaves them.
+
+    Args:
+        stance: Makes the stance that was traced.
+        cone: Exact cones or pyramids.
+        multipliers: Three numbers a row of the compiled program, shape (k, 3 * rows).
+        motions: Scaled, shape (l, 6).
+    """
+
+    def __init__(self, stance: Callable[[], Stance], cone: ConeChoice, multipliers: Array, motions: Array):
+        self._stance, self._cone, self._multipliers, self._motions = stance, cone, multipliers, motions
+
+    @cached_property
+    def data(self) -> StaticsData:
+        """The arrays of the stance."""
+        return assemble(self._stance())
+
+    def forces(self) -> tuple[PointForces, ...]:
+        """Balancing forces for each inner corner."""
+        from socp_statics.engines.kernel.pyramids import unknowns
+
+        points = self._stance().contacts.friction_points
+        assert points is not None
+        return tuple(point_forces(self.data, x) for x in unknowns(points, self._cone, self._multipliers))
+
+    def motions(self) -> tuple[tuple[Array, Array], ...]:
+        """(linear, angular) about the mean contact point for each outer edge [m/s, rad/s]."""
+        return tuple(self.data.units.twist_in_si(t) for t in np.asarray(self._motions))

@@ -1,0 +1,1 @@
+"""Programs that measure; nothing in here is asserted, nothing runs with the tests."""
