@@ -11,7 +11,7 @@ from socp_statics.certificates import Motion, force_residuals, motion_certificat
 from socp_statics.cones.choice import ConeChoice
 from socp_statics.contacts import ContactSet, Stance
 from socp_statics.spatial import Array
-from socp_statics.stability.margin import FORCE_TOLERANCE, Margin
+from socp_statics.stability.margin import FORCE_TOLERANCE, Margin, balanced
 from socp_statics.statics.statics_data import StaticsData
 from socp_statics.statics.units import BOUNDARY, loads_row
 
@@ -78,5 +78,7 @@ def compiled_margin(stance: Stance, data: StaticsData, cone: ConeChoice) -> Marg
     if value < BOUNDARY:
         return None
     x = unknowns(points, cone, found.forces[None])[0]
+    if value == np.inf:
+        x = balanced(data, x)
     held = force_residuals(data, cone, x)
     return Margin(value, x, held, None, None, 0.0, "kernel", 0) if max(held) <= FORCE_TOLERANCE else None
