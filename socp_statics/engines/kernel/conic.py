@@ -40,7 +40,7 @@ ACCEPTED = 1e-8
 CERTIFIED = 1e-9
 ITERATIONS = 100
 # Directions are corrected where the iterate is as close as this; farther away rounding does no harm.
-CLOSE = 1e-4
+CLOSE = 1e-5
 # Steps without a better iterate after which nothing better is expected: of an answer that is not good enough, and of one that is.
 PATIENCE, ENOUGH = 10, 3
 # Least pivots of the largest matrix as shares of its diagonal, one after the other.

@@ -111,7 +111,7 @@ def measure(W, F):
     x, y, s, z = K + at.X * k, E + at.Y * e, M + at.S * m, M + at.Z * m
     gz, r_dual, r_equal, r_cone = K + at.OFF_U * k, K + at.R_DUAL * k, E + at.R_EQUAL * e, M + at.R_CONE * m
     unit_dual, unit_equal, unit_cone = K + at.UNIT_DUAL * k, E + at.UNIT_EQUAL * e, M + at.UNIT_CONE * m
-    tau, kappa = F[t + at.TAU], F[t + at.KAPPA]
+    tau = F[t + at.TAU]
     for i in range(k):
         F[gz + i] = 0.0
     add_transposed(W, F, W[at.VALUE], z, gz)
@@ -146,7 +146,6 @@ def measure(W, F):
         F[r_cone + i] = off
     qx = _dot(k, F, K + at.COST * k, x)
     loads = _dot(e, F, E + at.LOAD * e, y) + _dot(m, F, M + at.LIMIT * m, z)
-    F[t + at.R_TAU] = curved / tau + qx + loads + kappa
     beta, gamma = F[t + at.UNIT_X], F[t + at.UNIT_COST]
     F[t + at.LOAD_VALUE], F[t + at.COST_VALUE] = loads, qx
     F[t + at.UNBALANCED] = unbalanced * max(1.0, beta) / (beta * gamma)
@@ -175,36 +174,45 @@ def advance(W, F):
     z1, z2, tau, kappa = M + at.Z_STEP * m, M + at.Z_FIXED * m, F[t + at.TAU], F[t + at.KAPPA]
     scale_cones(W, run, runs, orthant, F, s, z, w, lam, eta)
     factor_step(W, F)
-    unscale_all(W, run, runs, orthant, F, w, eta, M + at.LIMIT * m, M + at.LIMIT_SCALED * m)
-    for i in range(k):
-        F[u + i] = -F[K + at.COST * k + i]
-    solve_step(W, F, u, E + at.LOAD * e, M + at.LIMIT_SCALED * m, x2, y2, z2)
-    slope = kappa / tau + _dot(m, F, z2, z2)
-    for i in range(k):
-        away = F[x2 + i] - F[x + i] / tau
-        slope += F[K + at.CURVE * k + i] * away * away
     unscale_all(W, run, runs, orthant, F, w, eta, M + at.R_CONE * m, r_scaled)
 
-    # The predictor aims at the solution itself.
-    rest, mu, product = 1.0, 0.0, tau * kappa
-    d_tau, d_kappa, rate = 0.0, 0.0, 0.0
+    # The direction along the right-hand sides is the iterate and a correction as small as the residuals: solved for as a whole, its
+    # multipliers would be differences of large numbers.
+    for i in range(k):
+        F[u + i] = -F[K + at.R_DUAL * k + i]
+    for a in range(e):
+        F[v + a] = -F[E + at.R_EQUAL * e + a]
     for i in range(m):
+        F[target + i] = 2.0 * F[lam + i] - F[r_scaled + i]
+    solve_step(W, F, u, v, target, x2, y2, z2)
+    slope, square = kappa / tau, 0.0
+    for i in range(k):
+        part = F[x2 + i] / tau
+        slope += F[K + at.CURVE * k + i] * part * part
+        F[x2 + i] = F[x + i] / tau + part
+    for a in range(e):
+        F[y2 + a] = (F[E + at.Y * e + a] + F[y2 + a]) / tau
+    for i in range(m):
+        F[z2 + i] = (F[lam + i] + F[z2 + i]) / tau
+        slope += F[z2 + i] * F[z2 + i]
+        square += F[lam + i] * F[lam + i]
         F[ds + i] = F[lam + i]
-        mu += F[lam + i] * F[lam + i]
-    mu = (mu + product) / F[t + at.DEGREE]
+
+    # The predictor aims at the solution itself.
+    rest, mu, product = 1.0, (square + tau * kappa) / F[t + at.DEGREE], tau * kappa
+    d_tau, d_kappa, rate = 0.0, 0.0, 0.0
     for turn in range(2):
+        fall = rest * (square + tau * kappa) - product
         for i in range(m):
             F[target + i] = F[ds + i] - rest * F[r_scaled + i]
+            fall -= F[lam + i] * F[ds + i]
         for i in range(k):
             F[u + i] = -rest * F[K + at.R_DUAL * k + i]
         for a in range(e):
             F[v + a] = -rest * F[E + at.R_EQUAL * e + a]
         solve_step(W, F, u, v, target, x1, y1, z1)
-        fall = rest * F[t + at.R_TAU] - product / tau
-        for i in range(k):
-            fall += (2.0 * F[K + at.CURVE * k + i] * F[x + i] / tau + F[K + at.COST * k + i]) * F[x1 + i]
-        fall += _dot(e, F, E + at.LOAD * e, y1) + _dot(m, F, M + at.LIMIT_SCALED * m, z1)
-        d_tau = fall / slope
+        fall += _dot(k, F, K + at.R_DUAL * k, x1) - _dot(e, F, E + at.R_EQUAL * e, y1) - _dot(m, F, r_scaled, z1)
+        d_tau = fall / (slope * tau)
         d_kappa = -(product + kappa * d_tau) / tau
         for i in range(m):
             F[dz + i] = F[z1 + i] + d_tau * F[z2 + i]

@@ -57,16 +57,16 @@ HEADER = 42
 COST, CURVE, X, X_FIXED, X_STEP, R_DUAL, U_SIDE, OFF_U, BY_PIVOT, UNIT_DUAL, BEST_X = _indices(0, 11)
 # Of length EQUAL: right-hand side, multipliers, directions, residual, right-hand side, workspace, reciprocal pivots, units, best.
 LOAD, Y, Y_FIXED, Y_STEP, R_EQUAL, V_SIDE, OFF_V, BY_ROW_PIVOT, UNIT_EQUAL, BEST_Y = _indices(0, 10)
-# Of length M: right-hand side, slacks, multipliers, scaling points, lambda, scaled right-hand side, directions, residual and scaled
+# Of length M: right-hand side, slacks, multipliers, scaling points, lambda, directions, residual and scaled
 # residual, steps, right-hand side, units, best.
-LIMIT, S, Z, W, LAMBDA, LIMIT_SCALED, Z_FIXED, Z_STEP, R_CONE, R_SCALED, DS, DZ, W_SIDE, UNIT_CONE, BEST_S, BEST_Z = _indices(0, 16)
-COUNT_K, COUNT_E, COUNT_M, COUNT_N, COUNT_P = 11, 10, 16, 2, 2
+LIMIT, S, Z, W, LAMBDA, Z_FIXED, Z_STEP, R_CONE, R_SCALED, DS, DZ, W_SIDE, UNIT_CONE, BEST_S, BEST_Z = _indices(0, 15)
+COUNT_K, COUNT_E, COUNT_M, COUNT_N, COUNT_P = 11, 10, 15, 2, 2
 
 # Scalars. The embedding's; units of unknowns and of cost, constant of the objective, degree of the cones, sizes of the data; objective,
-# dual objective and tau of the best iterate; and of the current one: the residual of the objective's row, and of certificates:
-# b' y + h' z, q' x and what they leave over.
+# dual objective and tau of the best iterate; and what the current one would be as a certificate: b' y + h' z, q' x
+# and what they leave over.
 TAU, KAPPA, UNIT_X, UNIT_COST, CONSTANT, DEGREE, SIZE_B, SIZE_Q, PRIMAL, DUAL, BEST_TAU = _indices(0, 11)
-R_TAU, LOAD_VALUE, COST_VALUE, UNBALANCED, UNMET = _indices(11, 16)
+LOAD_VALUE, COST_VALUE, UNBALANCED, UNMET = _indices(11, 15)
 # Least pivots of H as a share of their diagonal, and how often a direction may be corrected.
-FLOOR, CORRECTIONS = _indices(16, 18)
-COUNT_SCALARS = 18
+FLOOR, CORRECTIONS = _indices(15, 17)
+COUNT_SCALARS = 17
