@@ -34,7 +34,7 @@ class Session(ConicSession):
         super().__init__(form, values)
         zero, A = form.cones.zero, self.data.A
         self._soc = np.array(form.cones.soc, dtype=np.int64)
-        self._right = np.empty(form.columns + form.rows)
+        self._right = np.empty(form.columns), np.empty(zero), np.empty(form.rows - zero)
         self._slack = np.empty(form.rows - zero)
         # The pattern of the canonical matrix never changes, so where its entries go is found once.
         column = np.repeat(np.arange(form.columns), np.diff(A.indptr))
@@ -46,13 +46,13 @@ class Session(ConicSession):
 
     def take_cost(self, q: Array) -> None:
         """A new cost needs no preparation."""
-        self._right[: len(q)] = q
+        self._right[0][:] = q
 
     def take_data(self) -> None:
         """Prepare the new matrices."""
         form, data = self.form, self.data
-        self._right[: form.columns] = data.q
-        self._right[form.columns :] = data.b
+        q, b, h = self._right
+        q[:], b[:], h[:] = data.q, data.b[: len(b)], data.b[len(b) :]
         A = np.zeros((form.cones.zero, form.columns))
         A.ravel()[self._place] = data.A.data[self._equal]
         value = data.A.data[self._below]
@@ -64,13 +64,12 @@ class Session(ConicSession):
 
     def answer(self) -> KernelSolution:
         """Solve."""
-        n, zero, (W, F) = self.form.columns, self.form.cones.zero, self._plan
-        x, y, s, right = np.empty(n), np.empty(self.form.rows), self._slack, self._right
-        status, steps = conic.solve(W, F, right[:n], right[n : n + zero], right[n + zero :], conic.ITERATIONS, x, y[:zero], y[zero:], s)
-        values = conic.values(W, F)
+        form, (W, F), s, zero = self.form, self._plan, self._slack, self.form.cones.zero
+        x, y = np.empty(form.columns), np.empty(form.rows)
+        status, steps = conic.solve(W, F, *self._right, conic.ITERATIONS, x, y[:zero], y[zero:], s)
         if status == conic.SOLVED and not self._holds(x, s):
             status = conic.STALLED
-        return KernelSolution(self.form, self.data, self.offset, status, steps, x, y, values)
+        return KernelSolution(form, self.data, self.offset, status, steps, x, y, conic.values(W, F))
 
     def _holds(self, x: Array, s: Array) -> bool:
         """Whether a solution keeps its constraints in the units of the data, to what is accepted."""
