@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -108,7 +109,7 @@ class Stance:
     @property
     def weight(self) -> float:
         """Mass times the magnitude of gravity [N]."""
-        return float(self.mass * np.linalg.norm(self.gravity))
+        return self.mass * math.hypot(*self.gravity.tolist())
 
 
 def as_contact_set(contacts: ContactSet | Iterable[Contact]) -> ContactSet:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,7 +11,7 @@ from socp_statics.contacts import ContactSet, Stance
 from socp_statics.contacts.stance import as_contact_set, stance_of
 from socp_statics.exceptions import InputError
 from socp_statics.spatial import Array
-from socp_statics.statics.units import loads_row, units_of
+from socp_statics.statics.units import loads_row
 
 UNIT_LOAD = np.array([0.0, 0.0, -9.81, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 9.81, 0.0, np.nan, np.nan])
 
@@ -37,9 +38,8 @@ class RegionQuestion(NamedTuple):
         """The load as the compiled programs read it, shape (13,); the last two are nan where no CoM margin is asked for."""
         if self.given is None:
             return UNIT_LOAD
-        row = loads_row(self.given, units_of(self.given))
-        x, y, z = self.given.com
-        return np.concatenate([row, [z, x, y] if self.with_com else [z, np.nan, np.nan]])
+        x, y, z = self.given.com.tolist()
+        return np.array([*loads_row(self.given), z, *((x, y) if self.with_com else (math.nan, math.nan))])
 
 
 def region_question(contacts: Any, height: float, mass: float | None, gravity: Any, wrenches: Any, torque_limits: Any) -> RegionQuestion:
@@ -63,6 +63,6 @@ def region_question(contacts: Any, height: float, mass: float | None, gravity: A
         if free and mass is None and gravity is None and torque_limits is False and not wrenches:
             return RegionQuestion(contacts, None, height, mass, False)
     stance = stance_of(contacts, None if with_com else (0.0, 0.0, height), mass, gravity, wrenches, torque_limits)
-    if abs(stance.gravity[2]) <= 1e-9 * np.linalg.norm(stance.gravity):
+    if abs(stance.gravity[2]) <= 1e-9 * math.hypot(*stance.gravity.tolist()):
         raise InputError("gravity must not be zero or horizontal for a support region", name="posture", field="gravity")
     return RegionQuestion(stance.contacts, stance, height, mass, with_com)

@@ -69,12 +69,12 @@ class SupportRegion:
         region.__dict__.update(POLYGON, inner=inner, outer=outer, **rest)
         return region
 
-    @property
+    @cached_property
     def inner_area(self) -> float:
         """Area of the inner polygon, 0 unless it is one [m^2]."""
         return max(polygons.area(self.inner), 0.0) if self.kind in ("polygon", "unbounded") else 0.0
 
-    @property
+    @cached_property
     def outer_area(self) -> float:
         """Area of the outer polygon, 0 unless it is one [m^2]."""
         return max(polygons.area(self.outer), 0.0) if self.kind in ("polygon", "unbounded") else 0.0

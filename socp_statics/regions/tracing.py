@@ -150,7 +150,7 @@ def _by_the_kernel(questions: Sequence[RegionQuestion], cone: ConeChoice, tolera
     counts, numbers, inner, outer, multipliers, motions = trace(points, starts, loads, tolerance, most_directions(tolerance))
     regions: list[SupportRegion | None] = []
     at = edges = rows = 0
-    for question, cones, (kind, k, m, solves), (gap, margin, size) in zip(
+    for question, cones, (kind, k, m, solves), (gap, margin, size, inner_area, outer_area) in zip(
         questions, map(len, sets), counts.tolist(), numbers.tolist(), strict=True
     ):
         if kind != polygon:
@@ -161,7 +161,8 @@ def _by_the_kernel(questions: Sequence[RegionQuestion], cone: ConeChoice, tolera
         mine = motions[edges : edges + m]
         regions.append(
             SupportRegion.polygon(
-                inner[at : at + k], outer[edges : edges + m], relative_gap=gap, solves=solves, cone=cone, com_margin=com_margin, size=size,
+                inner[at : at + k], outer[edges : edges + m], inner_area=inner_area, outer_area=outer_area, relative_gap=gap,
+                solves=solves, cone=cone, com_margin=com_margin, size=size,
                 lines=mine[:, 6:], witnesses=TracedWitnesses(question.stance, cone, held, mine[:, :6]),
             )  # fmt: skip
         )

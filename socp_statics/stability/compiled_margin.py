@@ -66,7 +66,7 @@ def compiled_margin(stance: Stance, data: StaticsData, cone: ConeChoice) -> Marg
     points = stance.contacts.friction_points
     if points is None or stance.torque_limits is not None:
         return None
-    load = np.concatenate([loads_row(stance, data.units), stance.com])
+    load = np.array([*loads_row(stance), *stance.com])
     found = compiled_reserves([stance.contacts], cone, np.array([0, 1]), load[None])
     value = float(found.margin[0])
     if not found.settled[0]:

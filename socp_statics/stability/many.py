@@ -19,7 +19,7 @@ from socp_statics.exceptions import InputError
 from socp_statics.spatial import Array
 from socp_statics.stability.compiled_margin import Reserves, compiled_reserves
 from socp_statics.stability.equilibrium import EquilibriumAnswer, check_equilibrium
-from socp_statics.statics.units import BOUNDARY, loads_row, units_of
+from socp_statics.statics.units import BOUNDARY, loads_row
 
 CHUNK = 256
 VERDICTS = np.array(["unstable", "undecided", "stable"])
@@ -297,8 +297,7 @@ def _of_stances(stances: list[Stance], cone: ConeChoice, form: str, engine: str 
     batch = len(stances)
     rows = np.zeros((batch, 13))
     for row, stance in zip(rows, stances, strict=True):
-        row[:10] = loads_row(stance, units_of(stance))
-        row[10:] = stance.com
+        row[:] = *loads_row(stance), *stance.com
     none = np.zeros((0, 3))
     sets = [s.contacts for s in stances]
     return _Questions(sets, np.arange(batch + 1), rows, stances, none, np.zeros(0), none, (), None, cone, form, engine)

@@ -56,20 +56,23 @@ def units_of(stance: Stance) -> Units:
     return Units(force=max(loads) or 1.0, length=size, origin=stance.contacts.centre)
 
 
-def loads_row(stance: Stance, units: Units) -> Array:
+def loads_row(stance: Stance) -> list[float]:
     """The load of a stance in SI, as the compiled programs read it.
 
     Args:
         stance: The stance.
-        units: Its units.
 
     Returns:
-        Force of gravity (3) [N], other impressed wrenches about the mean contact point (6) [N, N m], and W [N], shape (10,).
+        Force of gravity (3) [N], other impressed wrenches about the mean contact point (6) [N, N m], and W [N], 10 numbers.
     """
-    row = np.zeros(10)
-    row[:3] = stance.mass * stance.gravity
+    # Python's floats, and neither size nor centre of the contacts where no wrench asks for them: every region and batch goes through here.
+    g0, g1, g2 = stance.gravity.tolist()
+    mass = stance.mass
+    row = [mass * g0, mass * g1, mass * g2, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+    if not stance.external_wrenches:
+        return [*row, stance.weight or 1.0]
+    units = units_of(stance)
     for wrench in stance.external_wrenches:
-        row[3:6] += wrench.force
-        row[6:9] += wrench.moment_about(units.origin)
-    row[9] = units.force
-    return row
+        for i, value in enumerate((*wrench.force, *wrench.moment_about(units.origin))):
+            row[3 + i] += float(value)
+    return [*row, units.force]

@@ -45,6 +45,7 @@ MOST_ITERATIONS = 40
 STEP = 0.99
 CERTIFICATE = 1e-9
 ACCEPTED = 1e-8
+NEW = -1.0
 
 
 @inner(inline="always")
@@ -273,7 +274,7 @@ def _advance(X, lanes, alpha):
 
 
 @inner
-def solve(X, lanes, cones, pad, factors, q, y, tolerance):
+def solve(X, lanes, cones, pad, factors, q, y, tolerance, begun):
     """Solve one program.
 
     Args:
@@ -285,12 +286,13 @@ def solve(X, lanes, cones, pad, factors, q, y, tolerance):
         q: Cost, shape (5,).
         y: The unknowns, shape (5,), written.
         tolerance: Of both residuals and of the gap, relative; ten to the minus eighth is accepted where it goes no further.
+        begun: What the last call returned, to go on from the iterate it left; NEW to begin.
 
     Returns:
-        Status and number of iterations. INFEASIBLE: z proves it (``G' z = 0``, ``h' z < 0``). UNBOUNDED: y proves it (``- G y`` in K,
-        ``q' y < 0``).
+        Status, number of iterations, and what to pass to go on. INFEASIBLE: z proves it (``G' z = 0``, ``h' z < 0``). UNBOUNDED: y
+        proves it (``- G y`` in K, ``q' y < 0``).
     """
-    h_size = start(X, lanes, factors, q, y)
+    h_size = start(X, lanes, factors, q, y) if begun == NEW else begun
     q0, q1, q2, q3, q4 = q[0], q[1], q[2], q[3], q[4]
     h_unit = max(1.0, h_size)
     q_unit = max(1.0, math.sqrt(q0 * q0 + q1 * q1 + q2 * q2 + q3 * q3 + q4 * q4))
@@ -344,4 +346,4 @@ def solve(X, lanes, cones, pad, factors, q, y, tolerance):
         y4 += alpha * r4
         _advance(X, lanes, alpha)
     y[0], y[1], y[2], y[3], y[4] = y0, y1, y2, y3, y4
-    return status, iterations
+    return status, iterations, h_size

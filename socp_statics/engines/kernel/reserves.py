@@ -11,13 +11,14 @@ import math
 
 import numpy as np
 
+from socp_statics.engines.kernel.active_set import EQUATION, classify, optimum
 from socp_statics.engines.kernel.compilation import entry, inner
-from socp_statics.engines.kernel.five_unknowns import INFEASIBLE, SOLVED, solve
+from socp_statics.engines.kernel.five_unknowns import INFEASIBLE, NEW, SOLVED, solve
 from socp_statics.engines.kernel.friction_points import centre_and_size, full_rank, pad_lanes, unit_wrench
-from socp_statics.engines.kernel.lanes import MULTIPLIER, RHS, ROW1, S2, S, U, buffer_size, lane, padded
+from socp_statics.engines.kernel.lanes import RHS, ROW1, S, U, buffer_size, lane, padded
 from socp_statics.engines.kernel.normal_matrix import factor
 from socp_statics.engines.kernel.starting_point import normal_matrix_of_rows
-from socp_statics.engines.kernel.supports import TOLERANCE, balance_multipliers
+from socp_statics.engines.kernel.supports import CLEAR, ROUGH, TOLERANCE, balance_multipliers, keep_multipliers
 
 FINITE, INFINITE, OPEN = range(3)
 # Below this length the sum of the normals' wrenches does not scale a motion.
@@ -98,8 +99,32 @@ def motion_holds(wrenches, y):
     return worst / size
 
 
+@inner
+def _settle(X, points, factors, q, states, equations, guess, u, held):
+    """Solve the margin program: roughly by the interior-point method, then by Newton's, or to the end where that does not hold.
+
+    Returns:
+        Status of the program.
+    """
+    n = points.shape[0]
+    status, _, begun = solve(X, padded(n), float(n), 0.0, factors, q, guess, ROUGH, NEW)
+    if status == SOLVED:
+        classify(X, n, points, CLEAR, states)
+        keep_multipliers(X, n, held)
+        for j in range(5):
+            u[j] = guess[j]
+        if optimum(X, n, points, q, states, equations, u, held):
+            return SOLVED
+        status, _, _ = solve(X, padded(n), float(n), 0.0, factors, q, guess, TOLERANCE, begun)
+    balance_multipliers(X, n, factors, q)
+    keep_multipliers(X, n, held)
+    for j in range(5):
+        u[j] = guess[j]
+    return status
+
+
 @inner(inline="always")
-def reserve(X, points, wrenches, a, N, factors, load, q, u, motion, forces):
+def reserve(X, points, wrenches, a, N, factors, load, q, states, equations, guess, u, motion, forces):
     """The margin of one load.
 
     Args:
@@ -111,6 +136,9 @@ def reserve(X, points, wrenches, a, N, factors, load, q, u, motion, forces):
         factors: Of the normal matrix.
         load: Scaled impressed wrench, shape (6,).
         q: Scratch, shape (5,).
+        states: Scratch, shape (n,).
+        equations: Scratch of `active_set.optimum`.
+        guess: Scratch, shape (5,).
         u: Scratch, shape (5,).
         motion: Written: y, shape (6,).
         forces: Written: components of each cone, shape (n, 3).
@@ -129,7 +157,7 @@ def reserve(X, points, wrenches, a, N, factors, load, q, u, motion, forces):
         q[j] = 0.0
         for i in range(6):
             q[j] -= N[i, j] * load[i]
-    status, _ = solve(X, padded(n), float(n), 0.0, factors, q, u, TOLERANCE)
+    status = _settle(X, points, factors, q, states, equations, guess, u, forces.reshape(3 * n))
     if status != SOLVED and status != INFEASIBLE:
         return OPEN, 0.0, 0.0
     bound = start
@@ -139,14 +167,11 @@ def reserve(X, points, wrenches, a, N, factors, load, q, u, motion, forces):
         motion[i] = a[i] / square
         for j in range(5):
             motion[i] += N[i, j] * u[j]
-    balance_multipliers(X, n, factors, q)
     along = 0.0
     for i in range(6):
         along += load[i] * a[i]
     for k in range(n):
-        o = lane(k) + MULTIPLIER
-        z0, z1, z2 = X[o], X[o + S], X[o + S2]
-        forces[k, 0], forces[k, 1], forces[k, 2] = z0, z1, z2
+        z0, z1, z2 = forces[k, 0], forces[k, 1], forces[k, 2]
         for i in range(6):
             along += (z0 * wrenches[3 * k, i] + z1 * wrenches[3 * k + 1, i] + z2 * wrenches[3 * k + 2, i]) * a[i]
     margin = -along / square
@@ -192,7 +217,8 @@ def reserves(points, starts, items, loads):
     X = np.empty(buffer_size(widest))
     kinds, margins, motions, forces = np.empty(batch, np.int64), np.empty(batch), np.empty((batch, 6)), np.empty((rows, 3))
     centre, a, N, gram, q, u, load = np.empty(3), np.empty(6), np.empty((6, 5)), np.empty((6, 6)), np.empty(5), np.empty(5), np.empty(6)
-    every = np.empty((3 * widest, WRENCH))
+    every, equations = np.empty((3 * widest, WRENCH)), np.empty((3 * widest, EQUATION))
+    states, guess = np.empty(widest, np.int64), np.empty(5)
     at = 0
     for s in range(sets):
         mine = points[starts[s] : starts[s + 1]]
@@ -217,6 +243,8 @@ def reserves(points, starts, items, loads):
                 load[3] = y * g2 - z * g1 + w[6] / (force * size)
                 load[4] = z * g0 - x * g2 + w[7] / (force * size)
                 load[5] = x * g1 - y * g0 + w[8] / (force * size)
-                kinds[b], margins[b], _ = reserve(X, mine, wrenches, a, N, factors, load, q, u, motions[b], forces[at : at + n])
+                kinds[b], margins[b], _ = reserve(
+                    X, mine, wrenches, a, N, factors, load, q, states, equations, guess, u, motions[b], forces[at : at + n]
+                )
             at += n
     return kinds, margins, motions, forces

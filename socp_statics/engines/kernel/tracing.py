@@ -9,10 +9,11 @@ import math
 
 import numpy as np
 
+from socp_statics.engines.kernel.active_set import EQUATION
 from socp_statics.engines.kernel.com_distance import MOST_REFINEMENTS, OUTSIDE, nearest_edge, thin_enough
 from socp_statics.engines.kernel.compilation import entry, inner
 from socp_statics.engines.kernel.contact_vertices import carrying_points, contact_vertex
-from socp_statics.engines.kernel.continuation import SIZE, classify, continued
+from socp_statics.engines.kernel.continuation import continued
 from socp_statics.engines.kernel.five_unknowns import INFEASIBLE, SOLVED, UNBOUNDED
 from socp_statics.engines.kernel.friction_points import centre_and_size, full_rank, prepare_support, scaled_load, set_direction
 from socp_statics.engines.kernel.lanes import buffer_size, padded
@@ -74,6 +75,12 @@ def widest_edge(nodes, after, order, count, inner_area):
 
 
 @inner
+def aimed(area):
+    """The uncertain area to reach, for at most ``area`` after the points that are no corners were left out."""
+    return area - min(4.0 * CORNER, 0.5 * area)
+
+
+@inner
 def sector(nodes, after, dx, dy):
     """The support before a direction."""
     # Rounding may put a direction that repeats another outside of both its sectors: the one it misses least is meant.
@@ -90,28 +97,7 @@ def sector(nodes, after, dx, dy):
 
 
 @inner
-def same(states, i, j, cones):
-    """Whether every contact does the same in two solutions."""
-    for k in range(cones):
-        if states[i, k] != states[j, k]:
-            return False
-    return True
-
-
-@inner
-def between_solutions(nodes, motions, forces, i, j, dx, dy, motion, held):
-    """Motion and forces of two neighbours, combined as their directions combine to the one between them; both satisfy all cones."""
-    turn = nodes[i, DX] * nodes[j, DY] - nodes[i, DY] * nodes[j, DX]
-    a, b = (dx * nodes[j, DY] - dy * nodes[j, DX]) / turn, (nodes[i, DX] * dy - nodes[i, DY] * dx) / turn
-    for k in range(5):
-        motion[k] = a * motions[i, k] + b * motions[j, k]
-    share = a / (a + b)
-    for k in range(held.shape[0]):
-        held[k] = share * forces[i, k] + (1.0 - share) * forces[j, k]
-
-
-@inner
-def trace_one(points, load13, tolerance, X, ints, nodes, motions, forces, alone, small):
+def trace_one(points, load13, tolerance, X, ints, states, nodes, motions, forces, alone, equations, small):
     """Trace one region into work arrays.
 
     Args:
@@ -119,20 +105,22 @@ def trace_one(points, load13, tolerance, X, ints, nodes, motions, forces, alone,
         load13: See `trace`.
         tolerance: Of (outer area - inner area) / outer area.
         X: Buffer of the cones.
-        ints: Rows of indices: ring, order, known, active, carrying, corners, then what each contact does at each support.
+        ints: Rows of indices: ring, order, known, carrying, corners.
+        states: What each contact does at each support, where that is known, shape (most, n).
         nodes: Written: supports, shape (most, 8).
         motions: Written: their motions, shape (most, 5).
         forces: Written: their forces, shape (most, 3 * n).
         alone: Scratch, shape (n, 5).
+        equations: Scratch of `active_set.optimum`.
         small: Scratch; rows 0 to 3 are written: mean contact point, then `lift` of `prepare_support`.
 
     Returns:
         What it is, number of supports, inner area, CoM margin and size.
     """
     cones, most = points.shape[0], nodes.shape[0]
-    after, order, known, active, carrying, keep, states = ints[0], ints[1], ints[2], ints[3], ints[4], ints[5], ints[6:]
+    after, order, known, carrying, keep = ints[0], ints[1], ints[2], ints[3], ints[4]
     centre, lift, load, pull, q, reference = small[0], small[1:4], small[4], small[5], small[6], small[7]
-    gram, K = small[8:14], small[14:]
+    gram = small[9:15]
     size = centre_and_size(points, centre)
     scaled_load(load13, centre, size, load, pull)
     if not full_rank(points, centre, size, gram):
@@ -152,7 +140,7 @@ def trace_one(points, load13, tolerance, X, ints, nodes, motions, forces, alone,
     while True:
         if count < 4:
             dx, dy = (1.0 - count) * (1 - count % 2), (2.0 - count) * (count % 2)
-        elif refined == 0 and uncertain > tolerance * (max(inner_area, 0.0) + uncertain):
+        elif refined == 0 and uncertain > aimed(tolerance * (max(inner_area, 0.0) + uncertain)):
             kind, i, dx, dy = widest_edge(nodes, after, order, count, inner_area)
             if kind != POLYGON:
                 return kind, count, 0.0, 0.0, size
@@ -172,19 +160,17 @@ def trace_one(points, load13, tolerance, X, ints, nodes, motions, forces, alone,
         known[count] = 0
         if not contact_vertex(X, points, centre, size, lift, carrying, alone, carriers, dx, dy, node, motion, held):
             set_direction(X, cones, dx, dy)
-            done = False
-            if count >= 4 and known[i] and known[after[i]] and same(states, i, after[i], cones):
-                between_solutions(nodes, motions, forces, i, after[i], dx, dy, motion, held)
-                done = continued(X, cones, q, reference, dx, dy, states[i], active, K, node, motion, held)
-                if done:
-                    known[count] = 1
-                    for k in range(cones):
-                        states[count, k] = states[i, k]
-            if not done:
-                status = support(X, cones, factors, q, reference, dx, dy, node, motion, held)
+            mine = states[count]
+            if count >= 4 and continued(
+                X, points, q, reference, nodes, motions, forces, states, known, i, after[i], dx, dy, mine, equations, node, motion, held
+            ):
+                known[count] = 1
+            else:
+                status, known[count] = support(
+                    X, cones, points, factors, q, reference, dx, dy, mine, equations, small[8], node, motion, held
+                )
                 if status != SOLVED:
                     return _why(status), count + 1, 0.0, 0.0, size
-                known[count] = classify(X, cones, points, states[count])
         if count < 3:
             after[count] = count + 1
         elif count == 3:
@@ -244,7 +230,8 @@ def trace(points, starts, loads, tolerance, most):
 
     Returns:
         Of each set: what its region is (POLYGON, or why this tracer does not say), number of inner corners, of outer edges and of
-        programs, shape (b, 4); relative gap, CoM margin [m], size [m], shape (b, 3). Then, all sets one after the other: inner
+        programs, shape (b, 4); relative gap, CoM margin [m], size [m], inner and outer area [m^2], shape
+        (b, 5). Then, all sets one after the other: inner
         corners [m], outer corners [m], scaled multipliers of each row and inner corner (three numbers), of each outer edge
         its scaled motion (6), unit normal (2) and offset [m].
     """
@@ -252,20 +239,24 @@ def trace(points, starts, loads, tolerance, most):
     for b in range(batch):
         widest = max(widest, starts[b + 1] - starts[b])
     X = np.empty(buffer_size(widest))
-    ints = np.empty((7 + most, max(most, widest)), np.int64)
-    nodes, motions, alone, small = np.empty((most, NODE)), np.empty((most, 5)), np.empty((widest, 5)), np.empty((14 + SIZE, SIZE + 1))
+    # A row a support: a trace that asks few directions touches little memory.
+    ints, states = np.empty((5, max(most, widest)), np.int64), np.empty((most, widest), np.int64)
+    nodes, motions, alone, small = np.empty((most, NODE)), np.empty((most, 5)), np.empty((widest, 5)), np.empty((15, 6))
+    equations = np.empty((3 * widest, EQUATION))
     store, corners = np.empty((most, 3 * widest)), np.empty((most, 2))
-    counts, numbers = np.empty((batch, 4), np.int64), np.empty((batch, 3))
+    counts, numbers = np.empty((batch, 4), np.int64), np.empty((batch, 5))
     inner_xy, outer_xy, moving = np.empty((16 * batch, 2)), np.empty((16 * batch, 2)), np.empty((16 * batch, 9))
     held = np.empty((16 * batch * widest, 3))
     inners = outers = rows = 0
-    order, keep, used = ints[1], ints[2], ints[3]
+    order, keep, used = ints[1], ints[2], ints[4]
     for b in range(batch):
         mine = points[starts[b] : starts[b + 1]]
         cones = mine.shape[0]
-        kind, count, inner_area, margin, size = trace_one(mine, loads[b], tolerance, X, ints, nodes, motions, store, alone, small)
+        kind, count, inner_area, margin, size = trace_one(
+            mine, loads[b], tolerance, X, ints, states, nodes, motions, store, alone, equations, small
+        )
         k = m = 0
-        gap = 1.0
+        gap, area, outer_area = 1.0, 0.0, 0.0
         if kind == POLYGON:
             ring = ring_order(ints[0], order)
             k = inner_corners(nodes, order, ring, CORNER, keep)
@@ -298,4 +289,5 @@ def trace(points, starts, loads, tolerance, most):
         inners, outers, rows = inners + k, outers + m, rows + k * cones
         counts[b, 0], counts[b, 1], counts[b, 2], counts[b, 3] = kind, k, m, count
         numbers[b, 0], numbers[b, 1], numbers[b, 2] = gap, margin, size
+        numbers[b, 3], numbers[b, 4] = size * size * area, size * size * outer_area
     return counts, numbers, inner_xy[:inners], outer_xy[:outers], held[:rows], moving[:outers]
