@@ -31,6 +31,7 @@ _HOMES = {
     "trace_support_regions": "regions",
     "support_function": "regions",
     "base_of_support": "regions",
+    "com_margin_prices": "regions",
     "optimise_contact_forces": "optimization",
     "minimise_largest_wrench": "optimization",
     "Robot": "robots",
@@ -78,6 +79,7 @@ if TYPE_CHECKING:
     from socp_statics.postures import Posture as Posture
     from socp_statics.postures import pose as pose
     from socp_statics.regions import base_of_support as base_of_support
+    from socp_statics.regions import com_margin_prices as com_margin_prices
     from socp_statics.regions import support_function as support_function
     from socp_statics.regions import trace_support_region as trace_support_region
     from socp_statics.regions import trace_support_regions as trace_support_regions

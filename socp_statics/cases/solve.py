@@ -22,8 +22,8 @@ DISTRIBUTIONS = ("numpy", "scipy", "cvxpy-base", "clarabel", "numba")
 KINEMATICS = "pin"
 KEY_ORDER = (
     "schema", "problem", "model", "hash", "case", "status", "verdict", "reason", "cone", "objective", "margin", "idle", "idle_margin",
-    "com_margin", "wrenches", "forces", "torques", "torque_limits", "region", "certificate", "safety", "residuals", "expect", "engine",
-    "handovers", "versions",
+    "com_margin", "wrenches", "forces", "torques", "torque_limits", "region", "certificate", "prices", "safety", "residuals",
+    "expect", "engine", "handovers", "versions",
 )  # fmt: skip
 
 
@@ -90,6 +90,7 @@ def failed_record(problem: Problem, engine: str | Sequence[str], reason: str) ->
         "forces": [],
         **torque_keys(None, stance),
         "certificate": None,
+        "prices": {},
         "residuals": {"balance": None, "cone": None, "gap": None},
         "engine": first_engine(engine),
         "handovers": 0,

@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from socp_statics.cases.price_words import price_lines
+
 SHOWN_JOINTS = 3
 
 
@@ -38,6 +40,7 @@ def summarise(record: Mapping[str, Any]) -> str:
         lines.append(("safety", _safety(record["safety"])))
     if record["certificate"]:
         lines.append(("because", record["certificate"].get("reading") or "forces inside every cone balance the load"))
+    lines += price_lines(record)
     largest = max((abs(value) for entry in record["wrenches"] for value in entry["force"]), default=0.0)
     lines += [("contact", _wrench(entry, 1e-9 * largest)) for entry in record["wrenches"]]
     lines += [("torque", line) for line in _torques(record)]

@@ -8,10 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from socp_statics.certificates import Motion, force_residuals, motion_certificate
+from socp_statics.certificates.optimum import Multipliers
 from socp_statics.cones.choice import ConeChoice
 from socp_statics.contacts import ContactSet, Stance
 from socp_statics.spatial import Array
 from socp_statics.stability.margin import FORCE_TOLERANCE, Margin, balanced
+from socp_statics.stability.prices import margin_optimum
 from socp_statics.statics.statics_data import StaticsData
 from socp_statics.statics.units import BOUNDARY, loads_row
 
@@ -72,13 +74,14 @@ def compiled_margin(stance: Stance, data: StaticsData, cone: ConeChoice) -> Marg
     if not found.settled[0]:
         return None
     motion = Motion(found.motion[0], np.zeros(len(data.torques.names)))
+    x = unknowns(points, cone, found.forces[None])[0]
+    optimum = margin_optimum(data, cone, x, value, Multipliers.read(data, motion.twist, {})) if np.isfinite(value) else None
     if value <= -BOUNDARY:
         certificate = motion_certificate(data, cone, motion)
-        return None if certificate is None else Margin(value, None, None, certificate, motion, 0.0, "kernel", 0)
+        return None if certificate is None else Margin(value, None, None, certificate, motion, 0.0, "kernel", 0, optimum)
     if value < BOUNDARY:
         return None
-    x = unknowns(points, cone, found.forces[None])[0]
     if value == np.inf:
         x = balanced(data, x)
     held = force_residuals(data, cone, x)
-    return Margin(value, x, held, None, None, 0.0, "kernel", 0) if max(held) <= FORCE_TOLERANCE else None
+    return Margin(value, x, held, None, None, 0.0, "kernel", 0, optimum) if max(held) <= FORCE_TOLERANCE else None

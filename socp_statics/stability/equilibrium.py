@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from socp_statics.certificates import ForcesCertificate, Motion, MotionCertificate, motion_certificate
 from socp_statics.certificates.contact_motion import contact_motion
+from socp_statics.certificates.optimum import Optimum
+from socp_statics.certificates.prices import Prices
 from socp_statics.cones.choice import ConeChoice, cone_choice
 from socp_statics.contacts import ContactSet, ExternalWrench, Stance
 from socp_statics.contacts.stance import stance_of
@@ -18,6 +21,7 @@ from socp_statics.spatial import Array
 from socp_statics.stability.compiled_margin import compiled_margin
 from socp_statics.stability.idle import idle_contacts
 from socp_statics.stability.margin import Margin, normal_force_margin
+from socp_statics.stability.prices import optimum_prices
 from socp_statics.statics import PointForces, StaticsData, assemble, point_forces
 from socp_statics.statics.joint_torques import limits_by_name, torques_by_name
 from socp_statics.statics.units import BOUNDARY
@@ -43,6 +47,7 @@ class EquilibriumAnswer:
         cone: Exact cones or pyramids.
         torques: Joint torques of the forces [N m], where there are forces and a robot.
         torque_limits: Lower and upper joint torques that were respected [N m], where they were asked for.
+        optimum: Scaled forces and multipliers that prices follow from, where there are any.
     """
 
     verdict: str
@@ -59,6 +64,16 @@ class EquilibriumAnswer:
     cone: ConeChoice
     torques: dict[str, float] | None = None
     torque_limits: dict[str, tuple[float, float]] | None = None
+    optimum: Optimum | None = field(default=None, repr=False)
+
+    @cached_property
+    def prices(self) -> Prices | None:
+        """What the margin gains per unit of friction, limit, bound and contact displacement.
+
+        Where the margin is -inf because handle or torque limits cannot be met, what the least relaxation that all of them need would
+        lose; None where no number stops the margin (infinite, or the load is out of reach).
+        """
+        return None if self.optimum is None else optimum_prices(self.optimum)
 
     @property
     def stable(self) -> bool:
@@ -142,7 +157,8 @@ def _answer(data: StaticsData, cone: ConeChoice, margin: Margin, verdict: str, r
     torques = None if forces is None or margin.x is None else joint_torques_of(data, margin.x)
     limits = limits_by_name(data.torques, data.units) if data.torques.limited else None
     return EquilibriumAnswer(
-        verdict, reason, value, (), None, forces, certificate, status, residuals, margin.engine, margin.handovers, cone, torques, limits
+        verdict, reason, value, (), None, forces, certificate, status, residuals, margin.engine, margin.handovers, cone, torques, limits,
+        margin.optimum,
     )  # fmt: skip
 
 
@@ -197,7 +213,7 @@ def _without_contacts(stance: Stance, data: StaticsData, undecided: EquilibriumA
 
 
 def _with(answer: EquilibriumAnswer, **changes: Any) -> EquilibriumAnswer:
-    return EquilibriumAnswer(**{**vars(answer), **changes})
+    return replace(answer, **changes)
 
 
 def _with_idle_zero(stance: Stance, forces: PointForces) -> PointForces:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from socp_statics.certificates import ForceResiduals, Motion, MotionCertificate, force_residuals, motion_certificate, motion_of
+from socp_statics.certificates.optimum import Multipliers, Optimum
 from socp_statics.cones.choice import ConeChoice
 from socp_statics.engines import engines_for
 from socp_statics.engines.engine import Engine
@@ -18,6 +19,7 @@ from socp_statics.models.equilibrium import MODEL
 from socp_statics.models.hard_rows import MODEL as HARD_ROWS
 from socp_statics.models.hard_rows import hard_values
 from socp_statics.spatial import Array
+from socp_statics.stability.prices import margin_optimum, shortfall_optimum
 from socp_statics.statics.statics_data import StaticsData
 from socp_statics.statics.units import BOUNDARY
 from socp_statics.statics.wrench_range import INSIDE, OUTSIDE, WrenchRange, wrench_range
@@ -39,6 +41,7 @@ class Margin:
         gap: Difference of primal and dual objective, relative.
         engine: Name of the engine that answered.
         handovers: How many engines did not settle before.
+        optimum: Forces and multipliers that prices follow from: of a finite margin, or of the hard rows where they cannot be met.
     """
 
     value: float
@@ -49,6 +52,7 @@ class Margin:
     gap: float
     engine: str
     handovers: int
+    optimum: Optimum | None = None
 
 
 def normal_force_margin(data: StaticsData, cone: ConeChoice, form: str, engine: str | Sequence[str]) -> Margin:
@@ -114,7 +118,10 @@ def _blocked(data: StaticsData, cone: ConeChoice, engine: Engine, reach: WrenchR
         return None
     motion = motion_of(data, reach.basis @ solution.duals["balance"], solution.duals.get("limits"))
     certificate = motion_certificate(data, cone, motion)
-    return None if certificate is None else Margin(-np.inf, None, None, certificate, motion, solution.gap, engine.name, 0)
+    if certificate is None:
+        return None
+    optimum = shortfall_optimum(data, cone, reach.basis, values, solution)
+    return Margin(-np.inf, None, None, certificate, motion, solution.gap, engine.name, 0, optimum)
 
 
 def _finite(
@@ -124,20 +131,22 @@ def _finite(
     gap = solution.gap
     if gap > FORCE_TOLERANCE:
         return None
-    motion = motion_of(data, reach.basis @ solution.duals["balance"], solution.duals.get("limits")) if t < BOUNDARY else None
+    duals, twist = solution.duals, reach.basis @ solution.duals["balance"]
+    optimum = margin_optimum(data, cone, x, t, Multipliers.read(data, twist, duals))
+    motion = motion_of(data, twist, duals.get("limits")) if t < BOUNDARY else None
     if motion is not None and t <= -BOUNDARY:
         # There are no forces to check: what is left of the constraints moves the margin by as much as the multipliers say.
         error = solution.residuals.primal * (1.0 + max(float(np.abs(y).max(initial=0.0)) for y in solution.duals.values()))
         if error > BOUNDARY * max(1.0, -t):
             return None
         certificate = motion_certificate(data, cone, motion)
-        return None if certificate is None else Margin(t, None, None, certificate, motion, gap, engine.name, 0)
+        return None if certificate is None else Margin(t, None, None, certificate, motion, gap, engine.name, 0, optimum)
     held = force_residuals(data, cone, x)
     # Where t is negative within the boundary, the forces leave their cones by t times slopes and numbers of points.
     lacking = max(-t, 0.0) * (1.0 + data.friction.max(initial=0.0)) * max(data.points, 1)
     if held.balance > FORCE_TOLERANCE or held.cone > FORCE_TOLERANCE + lacking:
         return None
-    return Margin(t, x, held, None, motion, gap, engine.name, 0)
+    return Margin(t, x, held, None, motion, gap, engine.name, 0, optimum)
 
 
 def balanced(data: StaticsData, x: Array) -> Array:

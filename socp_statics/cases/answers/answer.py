@@ -10,6 +10,7 @@ from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from socp_statics.cases.statement import Statement
 from socp_statics.cones.choice import ConeChoice
+from socp_statics.contacts.contact import COMPONENTS
 from socp_statics.exceptions import InputError
 
 if TYPE_CHECKING:
@@ -18,6 +19,20 @@ if TYPE_CHECKING:
 
 BY_CONTACT, BY_JOINT = "*", "* joint"
 VECTOR: list[Any] = [None]
+_ENDS = {"lower": None, "upper": None, "equal": None}
+PRICE_KEYS: dict[str, Any] = {
+    "value": None,
+    "unit": None,
+    "friction": {BY_CONTACT: None},
+    "torsional_friction": {BY_CONTACT: None},
+    "normal_force": {BY_CONTACT: _ENDS},
+    "handle_limits": {BY_CONTACT: {word: _ENDS for word in COMPONENTS}},
+    "torque_limits": {BY_JOINT: _ENDS},
+    "displacement": {BY_CONTACT: VECTOR},
+    "stopped_by": [{"what": None, "price": None, "per": None}],
+    "unique": None,
+    "not_unique": [None],
+}
 RECORD_KEYS: dict[str, Any] = {
     "schema": None,
     "problem": None,
@@ -52,6 +67,7 @@ RECORD_KEYS: dict[str, Any] = {
         "reading": None,
         "contacts": {BY_CONTACT: None},
     },
+    "prices": {"margin": PRICE_KEYS, "shortfall": PRICE_KEYS},
     "residuals": {"balance": None, "cone": None, "gap": None},
     "engine": None,
     "handovers": None,

@@ -12,6 +12,7 @@ from socp_statics.cases.answers.safety import SAFETY_KEYS, safety_verdict
 
 if TYPE_CHECKING:
     from socp_statics.cases.problem import Problem
+    from socp_statics.certificates.prices import Prices
     from socp_statics.contacts import Stance
     from socp_statics.optimization import ForceAnswer
     from socp_statics.stability import EquilibriumAnswer
@@ -39,6 +40,11 @@ def torque_keys(answer: EquilibriumAnswer | ForceAnswer | None, stance: Stance) 
     return {"torques": dict(answer.torques or {}) if answer is not None else {}, "torque_limits": limits}
 
 
+def price_keys(prices: Prices | None) -> dict[str, Any]:
+    """The record's ``prices``: the entry of one objective, none where there are no prices."""
+    return {} if prices is None else {prices.objective: prices.as_record()}
+
+
 def verdict_keys(answer: EquilibriumAnswer, stance: Stance) -> dict[str, Any]:
     """The record keys that every model shares with the verdict of its stance.
 
@@ -59,6 +65,7 @@ def verdict_keys(answer: EquilibriumAnswer, stance: Stance) -> dict[str, Any]:
         "forces": [] if answer.forces is None else answer.forces.entries(),
         **torque_keys(answer, stance),
         "certificate": None if answer.certificate is None else answer.certificate.as_record(),
+        "prices": price_keys(answer.prices),
         "residuals": dict(answer.residuals),
         "engine": answer.engine,
         "handovers": answer.handovers,

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import Field
 
-from socp_statics.cases.answers.answer import RECORD_KEYS, VECTOR, Answer
-from socp_statics.cases.answers.equilibrium import EquilibriumParameters, verdict_keys
+from socp_statics.cases.answers.answer import PRICE_KEYS, RECORD_KEYS, VECTOR, Answer
+from socp_statics.cases.answers.equilibrium import EquilibriumParameters, price_keys, verdict_keys
 from socp_statics.cases.answers.safety import SAFETY_KEYS, safety_verdict
 
 if TYPE_CHECKING:
@@ -32,6 +32,7 @@ REGION_KEYS: dict[str, Any] = {
         "inner_forces": [None],
         "outer_multipliers": [None],
     },
+    "prices": RECORD_KEYS["prices"] | {"com_margin": PRICE_KEYS},
 }
 
 
@@ -61,17 +62,19 @@ def answer(problem: Problem, stance: Stance, engine: str | Sequence[str]) -> dic
         stance: Its stance.
         engine: "auto", the name of an engine, or several to be tried in turn.
     """
-    from socp_statics.regions import trace_support_region
+    from socp_statics.regions import com_margin_prices, trace_support_region
     from socp_statics.stability import check_equilibrium
 
     stated, settings = problem.parameters, {"cone": problem.cone, "form": problem.parameters["form"], "engine": engine}
     region = trace_support_region(stance, stated["tolerance"], **settings)
     keys = verdict_keys(check_equilibrium(stance, **settings), stance)
     com_margin = agree(region.com_margin, keys["verdict"])
+    prices = com_margin_prices(stance, region, form=stated["form"], engine=engine)
     keys |= {
         "status": "solved",
         "com_margin": com_margin,
         "region": region.as_record(),
+        "prices": keys["prices"] | price_keys(prices),
         "engine": region.engine if region.handovers else keys["engine"],
         "handovers": keys["handovers"] + region.handovers,
     }
