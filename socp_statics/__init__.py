@@ -34,6 +34,8 @@ _HOMES = {
     "com_margin_prices": "regions",
     "optimise_contact_forces": "optimization",
     "minimise_largest_wrench": "optimization",
+    "largest_payload": "optimization",
+    "largest_push": "optimization",
     "Robot": "robots",
     "ContactFrame": "robots",
     "load_robot": "robots",
@@ -73,6 +75,8 @@ if TYPE_CHECKING:
     from socp_statics.figures import draw_robot as draw_robot
     from socp_statics.figures import draw_torques as draw_torques
     from socp_statics.figures import robot_views as robot_views
+    from socp_statics.optimization import largest_payload as largest_payload
+    from socp_statics.optimization import largest_push as largest_push
     from socp_statics.optimization import minimise_largest_wrench as minimise_largest_wrench
     from socp_statics.optimization import minimise_torque_use as minimise_torque_use
     from socp_statics.optimization import optimise_contact_forces as optimise_contact_forces

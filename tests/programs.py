@@ -21,6 +21,7 @@ from socp_statics.contacts import (
     SurfaceContact,
 )
 from socp_statics.models import MODELS
+from socp_statics.models.capability import CapabilityShape
 from socp_statics.models.contact_forces import ContactForcesShape
 from socp_statics.models.contact_forces_set import force_shape, force_values
 from socp_statics.models.hard_rows import hard_values
@@ -181,6 +182,17 @@ def _orin_oh(data, reach, shape, values):
     return {"joints": (OrinOhShape(shape, 2), values | more), "no joints": (OrinOhShape(shape, 0), values | more)}
 
 
+def _capability(data, reach, shape, values):
+    """A payload above the centre of the contacts, where limits are eased and tightened by it in turn."""
+    point, force = np.array([0.3, -0.2, 0.5]), np.array([0.2, 0.1, -1.0])
+    P = np.concatenate([force, np.cross(point, force)])
+    reach = wrench_range(np.hstack([data.wrench_map, P[:, None]]))
+    shape = shape._replace(rows=reach.rank)
+    more = {"G": reach.basis.T @ data.wrench_map, "load": reach.basis.T @ data.load, "P": reach.basis.T @ P, "cap": 1.0}
+    more["r"] = 0.1 * np.sin(np.arange(shape.limits))
+    return {"capped" if cap else "open": (CapabilityShape(shape, cap), values | more) for cap in (False, True)}
+
+
 def _hard_rows(data, reach, shape, values):
     return {"": hard_values(data, reach.basis)}
 
@@ -197,6 +209,7 @@ BUILDERS = {
     "contact_load": _load,
     "largest_reserve": _reserve,
     "hard_rows": _hard_rows,
+    "capability": _capability,
     "torque_feasibility": _torques,
     "orin_oh": _orin_oh,
 }
@@ -216,6 +229,7 @@ VARIANTS = {
     "contact_forces": ("least_squares", "normal_force", "reference"),
     "minimax_wrench": MEASURES,
     "support_region": ("clipped", "open"),
+    "capability": ("open", "capped"),
     "orin_oh": ("joints", "no joints"),
 }
 

@@ -9,6 +9,7 @@ for _name, _line in (
     ("minimax_wrench", "least possible largest contact load: force, normal, tangential, component or use of friction"),
     ("orin_oh", "least sum of local joint powers plus weighted largest normal force (Orin and Oh 1981)"),
     ("torque_feasibility", "least share of its torque limits that the worst joint has to use"),
+    ("capability", "largest payload or push that contacts and motors allow"),
     ("support_region", "region of CoM positions in balance, between an inner and an outer polygon"),
     ("contact_load", "largest normal force of one contact over all horizontal CoM positions"),
     ("hard_rows", "least relaxation with which balance, handle limits and torque limits can be met"),

@@ -206,17 +206,20 @@ def load(forces: Forces) -> cp.Parameter:
     return cp.Parameter(forces.shape.rows, name="load")
 
 
-def admissible(forces: Forces, reserve: cp.Expression | float = 0.0) -> dict[str, cp.Constraint]:
+def admissible(
+    forces: Forces, reserve: cp.Expression | float = 0.0, relief: cp.Expression | float = 0.0
+) -> dict[str, cp.Constraint]:
     """Cones, bounds and hard rows of the set, every unilateral one shifted by a reserve of normal force.
 
     Args:
         forces: The unknowns.
         reserve: t, a scalar expression or 0.
+        relief: What is added to the values of the limits, an expression of their number or 0.
 
     Returns:
         Constraints by name.
     """
-    return {**_cones(forces, reserve), **_bounds(forces, reserve), **_hard_rows(forces)}
+    return {**_cones(forces, reserve), **_bounds(forces, reserve), **_hard_rows(forces, relief)}
 
 
 def _cones(forces: Forces, reserve: cp.Expression | float) -> dict[str, cp.Constraint]:
@@ -283,8 +286,8 @@ def _bounds(forces: Forces, reserve: cp.Expression | float) -> dict[str, cp.Cons
     return out
 
 
-def _hard_rows(forces: Forces) -> dict[str, cp.Constraint]:
-    """The rows that no reserve shifts: equal bounds and limits ``H x <= d``."""
+def _hard_rows(forces: Forces, relief: cp.Expression | float) -> dict[str, cp.Constraint]:
+    """The rows that no reserve shifts: equal bounds and limits ``H x <= d + relief``."""
     s = forces.shape
     out: dict[str, cp.Constraint] = {}
     if s.equal:
@@ -296,5 +299,5 @@ def _hard_rows(forces: Forces) -> dict[str, cp.Constraint]:
         if forces.y is not None:
             out["joints"] = forces.y == cp.Parameter((s.joints, s.columns), name="T") @ forces.x
             rows += [-forces.y, forces.y]
-        out["limits"] = cp.hstack(rows) <= limit
+        out["limits"] = cp.hstack(rows) <= limit + relief
     return out

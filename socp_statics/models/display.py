@@ -16,6 +16,7 @@ QUESTIONS = {
     "equilibrium": ("maximise", "t", "the normal-force reserve of every contact point"),
     "support_region": ("maximise", "d' c", "one program for each direction d of the plane; c is the horizontal CoM position"),
     "minimax_wrench": ("minimise", "s", "the largest measure"),
+    "capability": ("maximise", "w", "the load: a payload (its weight) or a push"),
     "torque_feasibility": ("minimise", "s", "the worst share of a torque limit; feasible exactly where s <= 1"),
 }
 OBJECTIVES = {
@@ -23,6 +24,10 @@ OBJECTIVES = {
     "normal_force": ("sum_i f_n,i", "all contact points"),
     "reference": ("sum_k |F_k - F_ref,k|^2", "contacts with a reference"),
     "orin_oh": ("sum_j |tau_j rate_j| + b max_i f_n,i", "joints and contact points"),
+}
+LOADS = {
+    "payload": "P is the wrench of a unit force along gravity where the payload hangs",
+    "push": "P is the wrench of a unit force along the push",
 }
 MEASURES = {
     "normal": "N_g <= s",
@@ -54,7 +59,10 @@ def describe(model: str, stance: Stance, parameters: Mapping[str, Any]) -> str:
     if data.torques.limited:
         share = "s " if model == "torque_feasibility" else ""
         joints = int(np.isfinite(data.torques.limits).any(axis=1).sum())
-        rows.append((f"{share}lower_j <= tau_j = (g_theta - J' F)_j <= {share}upper_j", f"{joints} joints with torque limits"))
+        pushed = " - w J_P' d" if model == "capability" else ""
+        rows.append((f"{share}lower_j <= tau_j = (g_theta - J' F{pushed})_j <= {share}upper_j", f"{joints} joints with torque limits"))
+    if model == "capability":
+        rows.append(("w >= 0", LOADS["payload" if "payload" in parameters else "push"]))
     if model == "minimax_wrench":
         rows.append((MEASURES[parameters["measure"]], f"every {parameters['level']} g"))
     width = max(len(left) for left, _ in [(objective, ""), *rows]) + 3
@@ -80,7 +88,7 @@ def _question(model: str, parameters: Mapping[str, Any]) -> tuple[str, str, str]
 
 
 def _balance(model: str, shape: ForceShape, data: StaticsData) -> tuple[str, str]:
-    load = "L + D c" if model == "support_region" else "L"
+    load = {"support_region": "L + D c", "capability": "w P + L"}.get(model, "L")
     dropped = f", {6 - shape.rows} that no contact force reaches left out" if shape.rows < 6 else ""
     return f"G x + {load} = 0", f"{shape.rows} balance rows{dropped}"
 
