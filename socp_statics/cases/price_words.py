@@ -28,6 +28,9 @@ def price_lines(record: Mapping[str, Any]) -> list[tuple[str, str]]:
     """
     lines: list[tuple[str, str]] = []
     for objective, prices in record["prices"].items():
+        # What a capability asks about is its load, and without the load it stands.
+        if objective == "margin" and "capability" in record and record["verdict"] == "stable":
+            continue
         if lines and not prices["stopped_by"] and lines[0][1] == PUSH_ONLY:
             continue
         lines.append(("stopped by", OBJECTIVES.get(objective, "") + _stopping(objective, prices)))

@@ -6,7 +6,10 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from socp_statics.cases.price_words import price_lines
+from socp_statics.certificates.reading import direction_words
 
 SHOWN_JOINTS = 3
 
@@ -40,10 +43,14 @@ def summarise(record: Mapping[str, Any]) -> str:
         lines.append(("safety", _safety(record["safety"])))
     if record["certificate"]:
         lines.append(("because", record["certificate"].get("reading") or "forces inside every cone balance the load"))
+    if record.get("capability", {}).get("beyond"):
+        lines.append(("beyond it", record["capability"]["beyond"]["reading"]))
     lines += price_lines(record)
-    largest = max((abs(value) for entry in record["wrenches"] for value in entry["force"]), default=0.0)
-    lines += [("contact", _wrench(entry, 1e-9 * largest)) for entry in record["wrenches"]]
-    lines += [("torque", line) for line in _torques(record)]
+    # A capability is about what acts at the largest load, not about what would do without it.
+    shown = record["capability"] if record.get("capability", {}).get("wrenches") else record
+    largest = max((abs(value) for entry in shown["wrenches"] for value in entry["force"]), default=0.0)
+    lines += [("contact", _wrench(entry, 1e-9 * largest)) for entry in shown["wrenches"]]
+    lines += [("torque", line) for line in _torques(shown.get("torques") or {}, record.get("torque_limits") or {})]
     for entry in record["expect"]:
         lines.append(
             ("expect", f"{entry['key']} {'holds' if entry['ok'] else 'DOES NOT HOLD'}: {entry['value']!r}, expected {entry['expected']!r}")
@@ -86,7 +93,20 @@ def _margin(record: Mapping[str, Any]) -> str:
 def _objective(record: Mapping[str, Any]) -> str:
     if record["model"] == "torque_feasibility":
         return f"the worst joint has to use {100 * record['objective']:.5g} % of its torque limit"
+    if record["model"] == "capability":
+        return capability_words(record)
     return f"{record['objective']:.6g}"
+
+
+def capability_words(record: Mapping[str, Any]) -> str:
+    """The largest load in words: how much of what where."""
+    load, most = record["capability"], record["objective"]
+    link = f"{load['link']} at " if load["link"] else ""
+    place = f"at {link}[{', '.join(f'{value:.4g}' for value in load['point'])}] m"
+    along = f" along {direction_words(np.array(load['direction']))}" if load["kind"] == "push" else ""
+    if isinstance(most, str):
+        return f"any {load['kind']}{along} {place}: contact forces can grow with it without end"
+    return f"{load['kind']} of at most {most:.6g} {load['unit']}{along} {place}"
 
 
 def _millimetres(value: Any) -> str:
@@ -120,9 +140,8 @@ def _wrench(entry: Mapping[str, Any], nothing: float) -> str:
     return f"{entry['contact']}: force [{force}] N, moment [{moment}] N m"
 
 
-def _torques(record: Mapping[str, Any]) -> list[str]:
+def _torques(torques: Mapping[str, Any], limits: Mapping[str, Any]) -> list[str]:
     """The joints that use most of their limits, or, where no limit counts, that carry most."""
-    torques, limits = record.get("torques") or {}, record.get("torque_limits") or {}
 
     def use(joint: str) -> float:
         lower, upper = (float(end) for end in limits.get(joint, ("-inf", "inf")))

@@ -9,7 +9,7 @@ from socp_statics.spatial import Array
 from socp_statics.statics.statics_data import StaticsData
 
 REST = 1e-6
-STILL = 1e-6
+STILL = 1e-3
 GENTLE = 1e-3
 MOST_JOINTS = 3
 AXES = {"+x": (1, 0, 0), "-x": (-1, 0, 0), "+y": (0, 1, 0), "-y": (0, -1, 0), "+z": (0, 0, 1), "-z": (0, 0, -1)}

@@ -60,17 +60,24 @@ def answer_of(record: Mapping[str, Any], regions: Mapping[str, SupportRegion] | 
         shapes[own.cone.kind] = own
     cone = record["cone"]
     asked = own or next((s for s in shapes.values() if s.cone == ConeChoice(cone["kind"], cone["sides"], cone["heading"])), None)
-    certificate = record.get("certificate") or {}
+    # A capability is drawn at its largest load, with the motion that stops more.
+    limit = record.get("capability") or {}
+    at_limit = bool(limit.get("beyond"))
+    certificate = limit["beyond"] if at_limit else record.get("certificate") or {}
+    loads = [w for w in stated.get("external_wrenches", []) if w.get("point") is not None and any(w.get("force", ()))]
+    if at_limit:
+        force = record["objective"] * limit["newtons"] * np.array(limit["direction"])
+        loads += [{"force": force.tolist(), "point": limit["point"]}] if force.any() else []
     mass = float(generated["mass"])
     return Answer(
         contacts=ContactSet(contact_from_statement(entry) for entry in generated["contacts"]),
         com=np.array(generated["com"], dtype=float),
         weight=mass * np.array(stated.get("gravity", GRAVITY_W), dtype=float),
-        loads=[w for w in stated.get("external_wrenches", []) if w.get("point") is not None and any(w.get("force", ()))],
-        forces=list(record.get("forces") or []),
+        loads=loads,
+        forces=list((limit if at_limit else record).get("forces") or []),
         motion=certificate if certificate.get("kind") == "motion" else None,
         shapes={kind: shapes[kind] for kind in KINDS if kind in shapes},
         asked=asked,
-        torques=torque_uses(record) if record.get("torques") else [],
+        torques=torque_uses({**record, "torques": limit["torques"]} if at_limit else record) if record.get("torques") else [],
         posture=posture,
     )

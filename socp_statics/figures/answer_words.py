@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from socp_statics.cases.summary import capability_words
 from socp_statics.cones.choice import KINDS
 from socp_statics.figures.answer_content import Answer
 from socp_statics.figures.layout import Words
@@ -40,8 +41,11 @@ def answer_words(record: Mapping[str, Any], answer: Answer, window: Window) -> l
     if answer.com_margin is not None:
         parts.append("CoM margin " + (length_text(answer.com_margin) if np.isfinite(answer.com_margin) else _endless("inf")))
     out = [Words("; ".join(parts), VERDICT_COLOURS.get(verdict, BLACK), "bold")]
+    if record.get("capability") and record.get("objective") is not None:
+        out.append(Words(capability_words(record)))
     if answer.motion is not None and answer.motion.get("reading"):
-        out.append(Words(answer.motion["reading"]))
+        prefix = "beyond it: " if (record.get("capability") or {}).get("beyond") else ""
+        out.append(Words(prefix + answer.motion["reading"]))
     use = max((use for use in answer.torques if use.share is not None), key=lambda use: use.share or 0.0, default=None)
     if use is not None and use.share:
         often = f"at {100.0 * use.share:.3g} % of" if np.isfinite(use.share) else "beyond"

@@ -15,14 +15,14 @@ from socp_statics.certificates.prices import Prices, Scale, prices_of
 from socp_statics.cones.choice import ConeChoice, cone_choice
 from socp_statics.contacts import Stance
 from socp_statics.contacts.stance import stance_of
+from socp_statics.engines import engine_names, engines_for
 from socp_statics.engines.engine import Engine
-from socp_statics.engines.solution import SOLVED, Solution
+from socp_statics.engines.solution import INFEASIBLE, SOLVED, Solution
 from socp_statics.exceptions import EngineError
 from socp_statics.models.capability import MODEL, CapabilityShape
 from socp_statics.models.contact_forces_set import force_shape, force_values
-from socp_statics.optimization.force_answer import settled
+from socp_statics.optimization.force_answer import ACCEPTED
 from socp_statics.optimization.unit_load import UnitLoad, limit_relief, unit_load, with_load
-from socp_statics.spatial import Array
 from socp_statics.stability import EquilibriumAnswer, check_equilibrium
 from socp_statics.statics import PointForces, StaticsData, assemble, point_forces, wrench_range
 from socp_statics.statics.joint_torques import torques_by_name
@@ -169,87 +169,84 @@ def largest_load(stance: Stance, load: UnitLoad, *, cone: ConeChoice, form: str,
         EngineError: No engine settled the program.
     """
     equilibrium = check_equilibrium(stance, cone=cone, form=form, engine=engine)
-    question = _Question(stance, load, cone, form)
+    question = _Question(stance, load, cone, form, equilibrium)
     if equilibrium.verdict == "unstable":
-        return question.infeasible(equilibrium)
-    growing, more = settled(question.data, cone, engine, question.growing, f"whether a {load.kind} has a limit", form, check=False)
-    if growing.status == SOLVED and growing.objective > 0.5:
-        return question.unbounded(growing, equilibrium, more)
-    solution, handovers = settled(
-        question.data, cone, engine, question.largest, f"the largest {load.kind}", form,
-        promised=lambda found: question.carrying(float(found.variables["w"])),
-    )  # fmt: skip
-    if solution.status != SOLVED:
-        return question.infeasible(equilibrium)
-    return question.solved(solution, equilibrium, more + handovers)
+        return question.infeasible()
+    details = []
+    for handovers, one in enumerate(engines_for(engine, form)):
+        answer, detail = question.answer(one)
+        if answer is not None:
+            return replace(answer, handovers=equilibrium.handovers + handovers)
+        details.append(f"{one.name}: {detail}")
+    raise EngineError(f"the largest {load.kind} was not settled ({'; '.join(details)})", name=engine_names(engine)[-1])
 
 
 class _Question:
     """One stance with one unit load, scaled."""
 
-    def __init__(self, stance: Stance, load: UnitLoad, cone: ConeChoice, form: str):
+    def __init__(self, stance: Stance, load: UnitLoad, cone: ConeChoice, form: str, equilibrium: EquilibriumAnswer):
         self.data: StaticsData = assemble(stance)
-        self.load, self.cone = load, cone
+        self.load, self.cone, self.equilibrium = load, cone, equilibrium
         self.P, self.torque = load.scaled(stance, self.data)
         self.relief = limit_relief(self.data, self.torque)
         self.reach = wrench_range(np.hstack([self.data.wrench_map, self.P[:, None]]))
-        self.forces = force_shape(self.data, cone, form, self.reach.rank)
+        self.form = form
         self.one = self.data.units.force / load.newtons
+
+    def _shape(self, data: StaticsData, capped: bool) -> CapabilityShape:
+        return CapabilityShape(force_shape(data, self.cone, self.form, self.reach.rank), capped)
 
     def _values(self, data: StaticsData) -> dict[str, Any]:
         return force_values(data, self.cone, self.reach.basis) | {"P": self.reach.basis.T @ self.P, "r": self.relief, "cap": 1.0}
 
-    def largest(self, one: Engine) -> Solution:
-        """The largest load."""
-        return one.compile(MODEL, CapabilityShape(self.forces, False)).solve(self._values(self.data))
-
-    def growing(self, one: Engine) -> Solution:
-        """The program without stance, bounds and limits: 1 where forces and load can grow together without end, else 0."""
-        bounds = np.where(np.isfinite(self.data.bounds), 0.0, self.data.bounds)
-        free = replace(self.data, load=np.zeros(6), bounds=bounds, limit_values=np.zeros_like(self.data.limit_values))
-        return one.compile(MODEL, CapabilityShape(self.forces, True)).solve(self._values(free))
+    def answer(self, one: Engine) -> tuple[CapabilityAnswer | None, str]:
+        """The answer by one engine; None where it does not check, with the reason."""
+        solution = one.compile(MODEL, self._shape(self.data, False)).solve(self._values(self.data))
+        if solution.status == INFEASIBLE:
+            return self.infeasible(), solution.detail
+        found = self._solved(solution) if solution.status == SOLVED else self._unbounded(one)
+        return found, f"{solution.detail}, {'with an answer that does not check' if solution.status == SOLVED else 'without an optimum'}"
 
     def carrying(self, w: float) -> StaticsData:
         """The arrays with w scaled units of the load."""
         return with_load(self.data, self.P, self.relief, self.torque, w)
 
-    def infeasible(self, equilibrium: EquilibriumAnswer) -> CapabilityAnswer:
+    def infeasible(self) -> CapabilityAnswer:
         """Not even zero load is in balance."""
-        none = {"balance": 0.0, "cone": 0.0, "gap": equilibrium.residuals["gap"]}
-        return CapabilityAnswer(
-            "infeasible", None, self.load, None, None, None, None, none, equilibrium.engine, equilibrium.handovers, equilibrium
-        )
+        e = self.equilibrium
+        none = {"balance": 0.0, "cone": 0.0, "gap": e.residuals["gap"]}
+        return CapabilityAnswer("infeasible", None, self.load, None, None, None, None, none, e.engine, e.handovers, e)
 
-    def unbounded(self, solution: Solution, equilibrium: EquilibriumAnswer, handovers: int) -> CapabilityAnswer:
-        """Any load is in balance."""
-        x = solution.variables["x"] / self.one / float(solution.variables["w"])
-        free = replace(self.data, load=self.P / self.one, bounds=np.zeros((0, 2)), bounded=self.data.bounded[:0],
-                       limit_values=np.zeros_like(self.data.limit_values) + self.relief / self.one)  # fmt: skip
-        held = force_residuals(free, self.cone, x)
+    def _unbounded(self, one: Engine) -> CapabilityAnswer | None:
+        """Any load is in balance: without stance, and with bounds and limits of zero, forces and load grow together without end."""
+        bounds = np.where(np.isfinite(self.data.bounds), 0.0, self.data.bounds)
+        free = replace(self.data, load=np.zeros(6), bounds=bounds, limit_values=np.zeros_like(self.data.limit_values))
+        solution = one.compile(MODEL, self._shape(free, True)).solve(self._values(free))
+        if solution.status != SOLVED or solution.objective < 0.5:
+            return None
+        x = solution.variables["x"] / float(solution.variables["w"])
+        held = force_residuals(replace(free, load=self.P, limit_values=self.relief), self.cone, x)
+        if max(held) > ACCEPTED * max(1.0, float(np.abs(x).max())):
+            return None
         residuals = {"balance": held.balance, "cone": held.cone, "gap": solution.gap}
-        growth = point_forces(self.data, x)
-        return CapabilityAnswer(
-            "unbounded", np.inf, self.load, None, None, None, growth, residuals, solution.engine,
-            equilibrium.handovers + handovers, equilibrium,
-        )  # fmt: skip
+        growth = point_forces(self.data, x / self.one)
+        return CapabilityAnswer("unbounded", np.inf, self.load, None, None, None, growth, residuals, one.name, 0, self.equilibrium)
 
-    def solved(self, solution: Solution, equilibrium: EquilibriumAnswer, handovers: int) -> CapabilityAnswer:
+    def _solved(self, solution: Solution) -> CapabilityAnswer | None:
         """The largest load with its forces, and what stops more."""
         w, x = float(solution.variables["w"]), solution.variables["x"]
-        duals: Mapping[str, Array] = solution.duals
-        twist = self.reach.basis @ duals["balance"]
-        beyond = motion_certificate(
-            self.carrying(w + BEYOND * max(1.0, w)), self.cone, motion_of(self.data, twist, duals.get("limits"))
-        )
-        if beyond is None:
-            raise EngineError(f"what stops a larger {self.load.kind} was not settled by {solution.engine}", name=solution.engine)
-        at = self.carrying(w)
+        at, duals = self.carrying(w), solution.duals
         held = force_residuals(at, self.cone, x)
+        twist = self.reach.basis @ duals["balance"]
+        motion = motion_of(self.data, twist, duals.get("limits"))
+        beyond = motion_certificate(self.carrying(w + BEYOND * max(1.0, w)), self.cone, motion)
+        if beyond is None or max(held) > ACCEPTED * max(1.0, float(np.abs(x).max())):
+            return None
         torques = torques_by_name(at.torques, at.units, x) if at.torques.names else None
         multipliers = Multipliers.read(at, twist, duals)
         optimum = Optimum(self.data, self.cone, x, 0.0, multipliers, self.P[:, None], np.zeros(1), self.relief[:, None], w)
+        residuals = {"balance": held.balance, "cone": held.cone, "gap": solution.gap}
         return CapabilityAnswer(
-            "solved", max(w, 0.0) * self.one, self.load, point_forces(self.data, x), torques, beyond, None,
-            {"balance": held.balance, "cone": held.cone, "gap": solution.gap}, solution.engine,
-            equilibrium.handovers + handovers, equilibrium, optimum,
+            "solved", max(w, 0.0) * self.one, self.load, point_forces(self.data, x), torques, beyond, None, residuals, solution.engine, 0,
+            self.equilibrium, optimum,
         )  # fmt: skip

@@ -57,7 +57,7 @@ def infeasible(equilibrium: EquilibriumAnswer) -> ForceAnswer:
 
 def settled(
     data: StaticsData, cone: ConeChoice, engine: str | Sequence[str], solve: Callable[[Engine], Solution], what: str, form: str, *,
-    check: bool = True, promised: Callable[[Solution], StaticsData] | None = None,
+    check: bool = True,
 ) -> tuple[Solution, int]:
     """One program by the first engine whose answer checks.
 
@@ -69,7 +69,6 @@ def settled(
         what: What is being solved, for the error sentence.
         form: "socp" or "sdp".
         check: Whether the forces have to lie inside the set.
-        promised: Solution -> the set that its forces have to lie inside, by default that of the data.
 
     Returns:
         A solution that is solved with forces inside the set, or infeasible; and the number of handovers.
@@ -85,8 +84,7 @@ def settled(
             return solution, handovers
         if solution.status == SOLVED:
             x = solution.variables["x"]
-            inside = data if promised is None else promised(solution)
-            if not check or max(force_residuals(inside, cone, x)) <= ACCEPTED * max(1.0, float(abs(x).max())):
+            if not check or max(force_residuals(data, cone, x)) <= ACCEPTED * max(1.0, float(abs(x).max())):
                 return solution, handovers
             details[-1] += " with forces outside the set"
         elif solution.status != FAILED:

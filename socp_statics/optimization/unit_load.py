@@ -76,25 +76,25 @@ def unit_load(stance: Stance, kind: str, link: Any, point: Any, direction: Any) 
     if kind == "payload":
         size = float(np.linalg.norm(stance.gravity))
         if size == 0.0:
-            raise InputError("payload: without gravity a payload has no weight, a push is expected", name=kind, field=kind)
+            raise InputError("a payload has no weight without gravity, a push is expected", name=kind, field=kind)
         along, newtons = stance.gravity, size
     else:
         along, newtons = vector(kind, "direction", direction, 3, kind="load"), 1.0
         if not along.any():
-            raise InputError("push: direction must not be zero", name=kind, field=kind)
+            raise InputError("the direction of a push must not be zero", name=kind, field=kind)
     posture = stance.posture
     if posture is None:
         if link is not None:
-            raise InputError(f"{kind}: link {link!r} needs a robot, this stance has none: a point alone is expected", name=kind, field=kind)
+            raise InputError(f"link {link!r} of the {kind} needs a robot, this stance has none", name=kind, field=kind)
         if point is None:
-            raise InputError(f"{kind}: point is missing, without a robot the load needs the point where it acts", name=kind, field=kind)
+            raise InputError(f"the point of the {kind} is missing, without a robot it is needed", name=kind, field=kind)
         at = vector(kind, "point", point, 3, kind="load")
     else:
         link = posture.robot.base if link is None else link
         try:
             _, origin = posture.link_placement(link)
         except InputError as error:
-            raise InputError(f"{kind}: link: {error}", name=str(link), field=kind) from error
+            raise InputError(f"link of the {kind}: {error}", name=str(link), field=kind) from error
         at = origin if point is None else vector(kind, "point", point, 3, kind="load")
     return UnitLoad(kind, link, at, along / np.linalg.norm(along), newtons)
 

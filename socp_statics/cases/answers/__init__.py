@@ -17,3 +17,4 @@ ANSWERS.add(
     "least share of its torque limits that the worst joint must use: feasible if <= 1",
     f"{_HERE}.torque_feasibility:ANSWER",
 )
+ANSWERS.add("capability", "the largest payload or push that contacts and motors allow", f"{_HERE}.capability:ANSWER")
