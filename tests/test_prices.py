@@ -143,6 +143,22 @@ def test_the_shortfall_of_torque_limits_and_its_prices(hoap2):
     assert "more on each would do" in summarise(record)
 
 
+def test_a_joint_without_a_motor(hoap2):
+    """Limits of zero leave no room: their price is what a little room would gain."""
+    rng = np.random.default_rng(2)
+    posture = braced(hoap2, rng)
+    limits = {"default": np.inf, "LARM_JOINT4": 0.0, "RARM_JOINT1": 0.0}
+    answer = ss.check_equilibrium(posture, torque_limits=limits, engine=ENGINE)
+    worth = [p for p in answer.prices.entries if p.kind == "torque_limits"]
+    assert len(worth) == 4 and all(p.unique for p in worth)
+    assert sum(p.value > 0.0 for p in worth) == 2  # each joint would use one of its ends
+    for price in worth:
+        h = 1e-5
+        wider = limits | {price.name: [-h, 0.0] if price.end == "lower" else [0.0, h]}
+        gain = (ss.check_equilibrium(posture, torque_limits=wider, engine=ENGINE).margin - answer.margin) / h
+        assert price.value == pytest.approx(gain, rel=1e-3, abs=1e-2)
+
+
 # the distance to the edge of the region
 
 
@@ -182,6 +198,18 @@ def test_prices_of_the_com_margin_are_derivatives(family):
         )  # fmt: skip
         compared += a
     assert compared >= 5
+
+
+@pytest.mark.parametrize(("family", "seed"), [*((f, s) for f in (*FAMILIES, *SCALED) for s in (0, 1)), ("far", 24)])
+def test_prices_are_those_of_the_nearest_edge(family, seed):
+    """Also where the polygon is coarse near the centre of mass, as of regions without end."""
+    stance = random_stance(seed, family)
+    region = ss.trace_support_region(stance, engine=ENGINE)
+    prices = ss.com_margin_prices(stance, region, engine=ENGINE)
+    if prices is not None:
+        assert prices.value == pytest.approx(region.com_margin, rel=2e-3, abs=1e-7 * region.size)
+    else:
+        assert region.kind not in ("polygon", "unbounded") or region.widened or not np.isfinite(region.com_margin)
 
 
 def test_prices_of_the_com_margin_outside_are_derivatives():

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from socp_statics.certificates.optimum import Optimum
+from socp_statics.certificates.optimum import Optimum, closed_limits
 from socp_statics.cones.choice import ConeChoice
 from socp_statics.models.contact_forces_set import bound_rows
 from socp_statics.spatial import Array
@@ -182,7 +182,7 @@ def _inequalities(optimum: Optimum) -> tuple[Array, Array]:
     nx, k = len(optimum.x), len(optimum.shares)
     N = optimum.x[data.normal]
     t, shift = optimum.reserve, optimum.shares
-    forces, slack, tight = [], [], []
+    forces, slack = [], []
     for sums, values, sign in ((rows.lower, rows.lower_values, -1.0), (rows.upper, rows.upper_values, 1.0)):
         row = np.zeros((len(sums), nx + k))
         row[:, data.normal], row[:, nx:] = sign * sums, shift
@@ -194,6 +194,8 @@ def _inequalities(optimum: Optimum) -> tuple[Array, Array]:
     forces += [equal, limits]
     slack += [np.zeros(len(equal)), data.limit_values - data.limit_rows @ optimum.x + optimum.relief @ _unknowns(optimum)]
     tight = [m.lower > ACTIVE, m.upper > ACTIVE, np.ones(len(equal), dtype=bool), m.limits > ACTIVE]
+    closed = [min(pair, key=lambda i: m.limits[i]) for pair in closed_limits(data)]
+    slack[-1][closed] = np.inf
     loose = np.flatnonzero(np.concatenate(slack) > ACTIVE)
     still = np.zeros((len(loose), len(m.packed)))
     still[np.arange(len(loose)), 6 + loose] = 1.0

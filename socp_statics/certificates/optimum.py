@@ -44,7 +44,10 @@ class Multipliers:
         """
         rows = bound_rows(data)
         bounds = {"lower_bound": rows.lower, "upper_bound": rows.upper, "equal_bound": rows.equal, "limits": data.limit_values}
-        return cls(twist, *(np.asarray(duals.get(name, np.zeros(len(row)))).ravel() for name, row in bounds.items()))
+        lower, upper, equal, limits = (np.array(duals.get(name, np.zeros(len(row)))).ravel() for name, row in bounds.items())
+        for a, b in closed_limits(data):
+            limits[[a, b]] -= min(limits[a], limits[b])
+        return cls(twist, lower, upper, equal, limits)
 
     @property
     def packed(self) -> Array:
@@ -55,6 +58,25 @@ class Multipliers:
         """A vector of the same layout as multipliers."""
         ends = np.cumsum([6, len(self.lower), len(self.upper), len(self.equal)])
         return Multipliers(*np.split(packed, ends))
+
+
+def closed_limits(data: StaticsData) -> list[tuple[int, int]]:
+    """Pairs of hard rows whose limits leave no room between them; of their multipliers only the difference means anything.
+
+    Args:
+        data: The stance's arrays.
+
+    Returns:
+        Indices of the rows of the upper and the lower end.
+    """
+    n = data.handle_limits
+    names, values = data.limit_names, data.limit_values
+    pairs = [(i, i + 1) for i in range(n - 1) if names[i] == names[i + 1] and values[i] + values[i + 1] == 0.0]
+    finite = np.isfinite(data.torques.limits)
+    upper, lower = np.flatnonzero(finite[:, 1]), np.flatnonzero(finite[:, 0])
+    for k in np.flatnonzero(finite.all(axis=1) & (data.torques.limits[:, 0] == data.torques.limits[:, 1])) if data.torques.limited else ():
+        pairs.append((n + int(np.searchsorted(upper, k)), n + len(upper) + int(np.searchsorted(lower, k))))
+    return pairs
 
 
 @dataclass(frozen=True, eq=False)

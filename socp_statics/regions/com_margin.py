@@ -17,7 +17,7 @@ def _points(sandwich: Sandwich) -> Array:
     return np.array([s.c for s in sandwich.supports()])
 
 
-def _on_clip(a: Array, b: Array, clip: float | None) -> bool:
+def on_clip(a: Array, b: Array, clip: float | None) -> bool:
     """Whether an edge lies on the clipping square and so is no edge of the region."""
     return clip is not None and any(abs(abs(a[i]) - clip) < 1e-9 * clip and abs(a[i] - b[i]) < 1e-9 * clip for i in (0, 1))
 
@@ -47,7 +47,7 @@ def refined_margin(sandwich: Sandwich, com: Array, clip: float | None) -> float:
         Q = np.roll(P, -1, axis=0)
         E = Q - P
         length = np.linalg.norm(E, axis=1)
-        real = [k for k in range(len(P)) if length[k] > NEGLIGIBLE and not _on_clip(P[k], Q[k], clip)]
+        real = [k for k in range(len(P)) if length[k] > NEGLIGIBLE and not on_clip(P[k], Q[k], clip)]
         if not real:
             return np.inf
         normals = np.column_stack([E[:, 1], -E[:, 0]])[real] / length[real, None]

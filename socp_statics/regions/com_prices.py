@@ -22,6 +22,7 @@ from socp_statics.engines.solution import SOLVED, Solution
 from socp_statics.exceptions import EngineError
 from socp_statics.models.contact_forces_set import force_shape, force_values
 from socp_statics.models.support_region import MODEL, RegionShape
+from socp_statics.regions.com_margin import RELATIVE, on_clip
 from socp_statics.regions.directions import CoMPlane, Directions, com_plane
 from socp_statics.regions.support_region import SupportRegion
 from socp_statics.regions.tracer import CLIP
@@ -33,6 +34,20 @@ MOST_QUERIES = 60
 SAME_POINT = 1e-9
 SAME_ANGLE = 1e-9
 SAME_EDGE = 1e-6
+
+
+class _Support(NamedTuple):
+    """A support query: its attained point and its solution."""
+
+    point: Array
+    solution: Solution
+
+
+def _queried(directions: Directions, d: tuple[float, float]) -> _Support:
+    solution = directions.solve(d)
+    if solution.status != SOLVED:
+        raise EngineError(f"engine {directions.engine} did not settle the nearest edge: {solution.status}", name=directions.engine)
+    return _Support(np.array(solution.variable("s")), solution)
 
 
 class _Query(NamedTuple):
@@ -78,12 +93,13 @@ def com_margin_prices(
     plane = com_plane(data)
     if plane.twist is not None or plane.axes.shape[1] < 2:
         return None
-    start, alone = _nearest_edge(region, stance.com[:2])
+    com, inner = _coordinates(data, plane, stance.com[:2]), _coordinates(data, plane, region.inner)
     broken: EngineError | None = None
     for one in engines_for(engine, form):
         try:
             directions = Directions(data, plane, region.cone, form, one, None if region.kind == "polygon" else CLIP)
-            optimum = _optimum(data, plane, region.cone, form, one, directions, plane.axes.T @ start)
+            start, alone = _nearest_edge(directions, inner, com, None if region.kind == "polygon" else CLIP)
+            optimum = _optimum(data, plane, region.cone, form, one, directions, start)
         except EngineError as error:
             broken = error
             continue
@@ -93,37 +109,44 @@ def com_margin_prices(
     raise broken
 
 
-def _nearest_edge(region: SupportRegion, com: Array) -> tuple[Array, bool]:
-    """Outward direction of the part of the edge nearest to a position, and whether no other part is as near."""
-    P = region.inner
-    E = np.roll(P, -1, axis=0) - P
-    length = np.linalg.norm(E, axis=1)
-    keep = length > SAME_POINT * region.size
-    if region.clip is not None:
-        x0, x1, y0, y1 = region.clip
-        sides = ((0, x0), (0, x1), (1, y0), (1, y1))
+def _coordinates(data: StaticsData, plane: CoMPlane, xy: Array) -> Array:
+    """Positions in world axes as free coordinates of the plane, shape (..., 2)."""
+    return ((xy - data.units.origin[:2]) / data.units.length - plane.origin) @ plane.axes
+
+
+def _nearest_edge(directions: Directions, P: Array, com: Array, clip: float | None) -> tuple[Array, bool]:
+    """Outward direction of the part of the edge nearest to a position, and whether no other part is as near.
+
+    The inner polygon may be coarse there: it is refined at its nearest edge until that edge is one of the region, within 1e-3.
+    """
+    for _ in range(MOST_QUERIES):
         Q = np.roll(P, -1, axis=0)
-        for axis, at in sides:
-            keep &= ~((np.abs(P[:, axis] - at) < SAME_POINT * abs(x1 - x0)) & (np.abs(Q[:, axis] - at) < SAME_POINT * abs(x1 - x0)))
-    P, E, length = P[keep], E[keep], length[keep]
-    normals = np.column_stack([E[:, 1], -E[:, 0]]) / length[:, None]
-    away = (normals * (P - com)).sum(axis=1)
-    if away.min() < -SAME_EDGE * region.size:
-        along = np.clip(((com - P) * E).sum(axis=1) / length**2, 0.0, 1.0)
-        gaps = com - (P + along[:, None] * E)
-        distance = np.linalg.norm(gaps, axis=1)
-        k = int(np.argmin(distance))
-        return gaps[k] / distance[k], True
-    k = int(np.argmin(away))
-    rivals = (away - away[k] <= SAME_EDGE * region.size) & (normals @ normals[k] < 1.0 - 1e-3)
-    return normals[k], not rivals.any()
+        length = np.linalg.norm(Q - P, axis=1)
+        real = [k for k in range(len(P)) if length[k] > SAME_POINT and not on_clip(P[k], Q[k], clip)]
+        E = (Q - P)[real]
+        normals = np.column_stack([E[:, 1], -E[:, 0]]) / length[real, None]
+        away = (normals * (P[real] - com)).sum(axis=1)
+        if away.min() < -SAME_EDGE:
+            along = np.clip(((com - P[real]) * E).sum(axis=1) / length[real] ** 2, 0.0, 1.0)
+            gaps = com - (P[real] + along[:, None] * E)
+            distance = np.linalg.norm(gaps, axis=1)
+            k = int(np.argmin(distance))
+            return gaps[k] / distance[k], True
+        k = int(np.argmin(away))
+        d = normals[k]
+        point = _queried(directions, (float(d[0]), float(d[1]))).point
+        if float(d @ (point - P[real[k]])) <= max(RELATIVE * away[k], SAME_POINT):
+            break
+        P = np.insert(P, real[k] + 1, point, axis=0)
+    rivals = (away - away[k] <= SAME_EDGE) & (normals @ d < 1.0 - 1e-3)
+    return d, not rivals.any()
 
 
 def _optimum(
     data: StaticsData, plane: CoMPlane, cone: ConeChoice, form: str, engine: Engine, directions: Directions, start: Array
 ) -> Optimum:
     """Multipliers of the nearest edge with forces of its nearest point."""
-    com = plane.axes.T @ (data.com[:2] - plane.origin)
+    com = (data.com[:2] - plane.origin) @ plane.axes
     nearest = _nearest(directions, com, start)
     d = plane.axes @ np.array([np.cos(nearest.angle), np.sin(nearest.angle)])
     ray = data.com_load @ d[:, None]
@@ -143,12 +166,9 @@ def _nearest(directions: Directions, com: Array, start: Array) -> _Query:
     """The support query whose line is nearest: its attained points lie on both sides of the foot of the centre of mass."""
 
     def query(angle: float) -> _Query:
-        d = np.array([np.cos(angle), np.sin(angle)])
-        solution = directions.solve((float(d[0]), float(d[1])))
-        if solution.status != SOLVED:
-            raise EngineError(f"engine {directions.engine} did not settle the nearest edge: {solution.status}", name=directions.engine)
-        point = np.array(solution.variable("s"))
-        return _Query(angle, point, solution, float((point - com) @ np.array([-d[1], d[0]])))
+        d = (float(np.cos(angle)), float(np.sin(angle)))
+        support = _queried(directions, d)
+        return _Query(angle, support.point, support.solution, float((support.point - com) @ np.array([-d[1], d[0]])))
 
     first, step = float(np.arctan2(start[1], start[0])), FIRST_ANGLE
     before, after = query(first - step), query(first + step)
