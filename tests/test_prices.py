@@ -346,8 +346,8 @@ def test_a_derivative_that_differs_with_the_sign_is_not_called_unique():
     assert down == pytest.approx(push / (4.0 * mu**2), rel=1e-3)
 
 
-def test_a_ball_between_fingers_that_only_touch():
-    """Two points under one another on a plumb line carry together: friction of neither is what stops."""
+def test_two_points_in_one_place():
+    """Coincident points below the centre of mass: friction of neither stops it, and a displacement has no derivative."""
     points = [ss.PointContact(name, (0, 0, 0), normal=(0, 0, 1), friction=0.4) for name in ("a", "b")]
     prices = ss.check_equilibrium(ss.Stance(ss.ContactSet(points), (0, 0, 0.3), 10.0), engine=ENGINE).prices
     assert not prices.of("displacement", "a", "x").unique  # any displacement makes the load fall out of reach
