@@ -31,6 +31,9 @@ app = typer.Typer(
     add_completion=False,
 )
 ProblemArgument = Annotated[str, typer.Argument(metavar="PROBLEM", help="A named problem, or a path that ends in .toml.")]
+SetOption = Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Set a key of the problem; repeatable.")]
+CaseOption = Annotated[int | None, typer.Option("--case", metavar="N", help="Which case of a [sweep], from 0.")]
+EngineOption = Annotated[str, typer.Option("--engine", metavar="NAME", help="auto (Clarabel first), kernel, clarabel or cvxpy.")]
 
 
 @app.callback(invoke_without_command=True)
@@ -112,9 +115,9 @@ def show(
 @app.command()
 def solve(
     problem: ProblemArgument,
-    values: Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Set a key of the problem; repeatable.")] = None,
-    case: Annotated[int | None, typer.Option("--case", metavar="N", help="Which case of a [sweep], from 0.")] = None,
-    engine: Annotated[str, typer.Option("--engine", metavar="NAME", help="auto (Clarabel first), kernel, clarabel or cvxpy.")] = "auto",
+    values: SetOption = None,
+    case: CaseOption = None,
+    engine: EngineOption = "auto",
     record_file: Annotated[str | None, typer.Option("--json", metavar="FILE", help="Write the record; - prints only the record.")] = None,
     figure_file: Annotated[str | None, typer.Option("--figure", metavar="FILE", help="Draw the answer (.pdf, .png or .svg).")] = None,
 ) -> None:
@@ -125,14 +128,10 @@ def solve(
     from socp_statics.exceptions import EngineError
 
     loaded = _chosen_case(load_problem(problem), values or [], case)
-    try:
-        solving.first_engine(engine)
-    except InputError as error:
-        raise InputError(f"{loaded.label}: --engine: {error}", name=engine, field="--engine") from error
-    _check_outputs(loaded, record_file, figure_file)
-    from socp_statics.engines import SINGLE
-
-    asked = SINGLE if engine == "auto" else engine
+    _check_engine(loaded, engine)
+    _check_outputs(loaded, {"--json": None if record_file == "-" else record_file, "--figure": figure_file})
+    _check_figure(record_file, figure_file)
+    asked = _engines(engine)
     try:
         record = solving.solve(loaded, asked)
     except EngineError as error:
@@ -143,9 +142,53 @@ def solve(
         _draw(loaded, record, Path(figure_file), asked)
     if record_file != "-":
         typer.echo(summarise(record))
-    failed = solving.unmet(record)
+    _check_expectations(loaded, record)
+
+
+@app.command()
+def view(
+    problem: ProblemArgument,
+    values: SetOption = None,
+    case: CaseOption = None,
+    engine: EngineOption = "auto",
+    html_file: Annotated[str | None, typer.Option("--html", metavar="FILE", help="Write the view as one HTML file and exit.")] = None,
+) -> None:
+    """3-D view in the browser; drag the centre of mass and the answer follows."""
+    from socp_statics.cases.problem import load_problem
+    from socp_statics.cases.solve import solve as answer
+    from socp_statics.exceptions import EngineError
+    from socp_statics.viewer import LiveView, ask, require_viewer, save_page
+
+    loaded = _chosen_case(load_problem(problem), values or [], case)
+    _check_engine(loaded, engine)
+    _check_outputs(loaded, {"--html": html_file})
+    require_viewer()
+    asked = _engines(engine)
+    try:
+        record = answer(loaded, asked)
+        question = ask(loaded, record, asked)
+    except EngineError as error:
+        raise EngineError(f"{loaded.label}: {error}", name=loaded.label) from error
+    if html_file is None:
+        live = LiveView(question)
+        typer.echo(f"{loaded.label} at {live.url}, until interrupted (Ctrl-C)")
+        sys.stdout.flush()
+        live.run()
+        return
+    try:
+        save_page(question, html_file)
+    except OSError as error:
+        raise StaticsError(f"--html {html_file}: the view could not be written ({error.strerror})", name=html_file, field="--html") from error
+    typer.echo(f"{loaded.label}, {record['verdict']}: written to {html_file}")
+    _check_expectations(loaded, record)
+
+
+def _check_expectations(problem: Problem, record: Record) -> None:
+    from socp_statics.cases.solve import unmet
+
+    failed = unmet(record)
     if failed:
-        raise StaticsError(f"{loaded.label}: {'; '.join(failed)}", name=loaded.label, field="expect")
+        raise StaticsError(f"{problem.label}: {'; '.join(failed)}", name=problem.label, field="expect")
 
 
 def _chosen_case(problem: Problem, assignments: Iterable[str], case: int | None) -> Problem:
@@ -166,16 +209,33 @@ def _chosen_case(problem: Problem, assignments: Iterable[str], case: int | None)
     return problem
 
 
-def _check_outputs(problem: Problem, record_file: str | None, figure_file: str | None) -> None:
+def _check_engine(problem: Problem, engine: str) -> None:
+    from socp_statics.cases.solve import first_engine
+
+    try:
+        first_engine(engine)
+    except InputError as error:
+        raise InputError(f"{problem.label}: --engine: {error}", name=engine, field="--engine") from error
+
+
+def _engines(engine: str) -> str | Sequence[str]:
+    from socp_statics.engines import SINGLE
+
+    return SINGLE if engine == "auto" else engine
+
+
+def _check_outputs(problem: Problem, files: Mapping[str, str | None]) -> None:
     from socp_statics.cases.writing import check_writable
 
-    files = {"--json": None if record_file == "-" else record_file, "--figure": figure_file}
     for option, file in files.items():
         if file is None:
             continue
         check_writable(Path(file), option)
         if problem.path is not None and Path(file).exists() and Path(file).samefile(problem.path):
             raise InputError(f"{option} {file}: this is the problem file itself, another file is expected", name=file, field=option)
+
+
+def _check_figure(record_file: str | None, figure_file: str | None) -> None:
     if figure_file is not None and Path(figure_file).suffix.lower() not in FIGURE_ENDINGS:
         message = f"--figure {figure_file}: a file that ends in {', '.join(FIGURE_ENDINGS)} is expected"
         raise InputError(message, name=figure_file, field="--figure")

@@ -23,6 +23,15 @@ def summarise(record: Mapping[str, Any]) -> str:
     Returns:
         One line for each, without a newline at the end.
     """
+    return "\n".join(f"{word:<11} {text}" for word, text in summary_lines(record))
+
+
+def summary_lines(record: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """The lines of `summarise`, each as its first word and the rest.
+
+    Args:
+        record: Of `socp_statics.cases.solve`.
+    """
     cone = record["cone"]
     cones = "exact cones" if cone["kind"] == "exact" else f"{cone['kind']} pyramids with {cone['sides']} sides"
     verdict = record["verdict"] + (f" ({_REASONS[record['reason']]})" if record["reason"] else "")
@@ -58,7 +67,7 @@ def summarise(record: Mapping[str, Any]) -> str:
     residuals = ", ".join(f"{name} {value:.1e}" for name, value in record["residuals"].items() if value is not None)
     handed = f", {record['handovers']} handed over" if record["handovers"] else ""
     lines.append(("engine", f"{record['engine']}{handed}" + (f"; residuals {residuals}" if residuals else "")))
-    return "\n".join(f"{word:<11} {text}" for word, text in lines)
+    return lines
 
 
 _REASONS = {

@@ -8,15 +8,14 @@ from typing import Any
 import numpy as np
 
 from socp_statics.cases.summary import capability_words
+from socp_statics.colours import VERDICT_COLOURS
 from socp_statics.cones.choice import KINDS
 from socp_statics.figures.answer_content import Answer
 from socp_statics.figures.layout import Words
 from socp_statics.figures.quantities import force_text, length_text
-from socp_statics.figures.style import BLACK, GREEN, GREY, VERMILLION
+from socp_statics.figures.style import BLACK
 from socp_statics.figures.window import Window, inside
 from socp_statics.regions.polygon import area
-
-VERDICT_COLOURS = {"stable": GREEN, "unstable": VERMILLION, "undecided": GREY}
 
 
 def answer_words(record: Mapping[str, Any], answer: Answer, window: Window) -> list[Words]:

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from socp_statics.certificates import MotionCertificate
+from socp_statics.certificates.velocities import velocities
 from socp_statics.contacts import ContactSet, Stance
 from socp_statics.figures.draw_stance import PLAN, add_contacts
 from socp_statics.figures.layout import Row, Words, arrange, new_axes, sheet_of
@@ -82,9 +83,7 @@ def add_motion(
         return window
     linear, angular, point = (np.asarray(motion[key], dtype=float) for key in ("linear", "angular", "point"))
     bodies = np.vstack([contacts.points_W, com])
-    velocity = linear + np.cross(angular, bodies - point)
-    if posture is not None and joints:
-        velocity = velocity + _joint_velocity(posture, joints, contacts)
+    velocity = velocities(motion, contacts, com, posture)
     fastest = float(np.linalg.norm(velocity, axis=1).max())
     if not fastest > 0.0:
         return window
@@ -105,16 +104,6 @@ def add_motion(
     if not joints and np.linalg.norm(angular) * size > NOTHING * fastest:
         _add_axis(ax, linear, angular, point, window, axes)
     return window
-
-
-def _joint_velocity(posture: Posture, joints: Mapping[str, float], contacts: ContactSet) -> Array:
-    """What joint rates add to the velocities of the contact points and of the centre of mass, shape (n + 1, 3) [m/s]."""
-    rates = np.array([joints.get(joint, 0.0) for joint in posture.robot.joints])
-    parts = []
-    for contact in contacts:
-        frame = posture.jacobian[contact.name] @ rates
-        parts.append(frame[:3] + np.cross(frame[3:], contact.points_W - contact.position))
-    return np.vstack([*parts, posture.com_jacobian @ rates])
 
 
 def _add_heave(ax: Axes, points: Array, rate: Array) -> None:

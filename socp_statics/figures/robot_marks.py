@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 
+from socp_statics.colours import EDGE, FLAT_PART, GROUND, ROUND_PART, SOLE_LINE
 from socp_statics.contacts import Contact
 from socp_statics.figures.draw_stance import contact_words, once
 from socp_statics.figures.marks import add_dots, add_filled, add_line
@@ -14,8 +15,6 @@ from socp_statics.figures.style import ORANGE
 from socp_statics.postures import Posture
 from socp_statics.spatial import Array
 
-FLAT_PART, ROUND_PART, EDGE = "#A9B7C9", "#8493A8", "#46505F"
-GROUND, SOLE_LINE = "#EFEDE8", "#1F1F1F"
 FADING = 0.5
 BELOW = 100.0
 LEVEL = 1e-6

@@ -1,4 +1,4 @@
-"""How figures look: sizes, fonts, the Okabe-Ito colours, and settings that make files reproducible."""
+"""How figures look: sizes, fonts, colours, and settings that make files reproducible."""
 
 from __future__ import annotations
 
@@ -8,18 +8,19 @@ from typing import Any
 
 import matplotlib
 
+from socp_statics.colours import BLACK as BLACK
+from socp_statics.colours import BLUE as BLUE
+from socp_statics.colours import GREEN as GREEN
+from socp_statics.colours import GREY as GREY
+from socp_statics.colours import ORANGE as ORANGE
+from socp_statics.colours import PURPLE as PURPLE
+from socp_statics.colours import REGION_COLOURS
+from socp_statics.colours import SKY as SKY
+from socp_statics.colours import SOLE as SOLE
+from socp_statics.colours import VERMILLION as VERMILLION
+
 COLUMN, TWO_COLUMNS = 3.4, 7.0
 DPI = 300
-
-BLACK = "#000000"
-ORANGE = "#E69F00"
-SKY = "#56B4E9"
-GREEN = "#009E73"
-BLUE = "#0072B2"
-VERMILLION = "#D55E00"
-PURPLE = "#CC79A7"
-GREY = "#6B6B6B"
-SOLE = "#D4D4D4"
 
 SETTINGS: dict[str, Any] = {
     "font.family": "DejaVu Sans",
@@ -55,9 +56,9 @@ SETTINGS: dict[str, Any] = {
 
 # offsets are chosen so that regions that coincide still show both colours along their edge
 REGION_LINES: dict[str, dict[str, Any]] = {
-    "exact": {"color": BLUE, "linestyle": "-", "linewidth": 1.3, "zorder": 3.0},
-    "circumscribed": {"color": ORANGE, "linestyle": (0, (3, 3)), "linewidth": 1.3, "zorder": 3.4},
-    "inscribed": {"color": GREEN, "linestyle": (3, (3, 3)), "linewidth": 1.3, "zorder": 3.5},
+    "exact": {"color": REGION_COLOURS["exact"], "linestyle": "-", "linewidth": 1.3, "zorder": 3.0},
+    "circumscribed": {"color": REGION_COLOURS["circumscribed"], "linestyle": (0, (3, 3)), "linewidth": 1.3, "zorder": 3.4},
+    "inscribed": {"color": REGION_COLOURS["inscribed"], "linestyle": (3, (3, 3)), "linewidth": 1.3, "zorder": 3.5},
 }
 BASE_LINE: dict[str, Any] = {"color": GREY, "linestyle": (0, (1.2, 1.6)), "linewidth": 2.4, "zorder": 2.6}
 

@@ -115,11 +115,14 @@ class Answer:
         compute: ``(problem, stance, engine) -> dict`` of the model's record keys.
         record_keys: The keys its records can have, nested; a list holds what its entries hold, `BY_CONTACT` and
             `BY_JOINT` stand for names.
+        follows_com: Whether `compute` asks about the stance it is given and nothing else, and fast enough to follow a centre of mass
+            that somebody drags about.
     """
 
     parameters: type[Parameters]
     compute: Callable[[Problem, Stance, str | Sequence[str]], dict[str, Any]]
     record_keys: dict[str, Any] = field(default_factory=lambda: RECORD_KEYS)
+    follows_com: bool = False
 
 
 def contact_names(info: ValidationInfo) -> tuple[str, ...] | None:

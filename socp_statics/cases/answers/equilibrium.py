@@ -93,4 +93,4 @@ def answer(problem: Problem, stance: Stance, engine: str | Sequence[str]) -> dic
     return keys
 
 
-ANSWER = Answer(EquilibriumParameters, answer, RECORD_KEYS | SAFETY_KEYS)
+ANSWER = Answer(EquilibriumParameters, answer, RECORD_KEYS | SAFETY_KEYS, follows_com=True)

@@ -46,4 +46,4 @@ def answer(problem: Problem, stance: Stance, engine: str | Sequence[str]) -> dic
     return force_answer_keys(found, stance)
 
 
-ANSWER = Answer(TorqueFeasibilityParameters, answer, RECORD_KEYS | {"objective": None})
+ANSWER = Answer(TorqueFeasibilityParameters, answer, RECORD_KEYS | {"objective": None}, follows_com=True)
