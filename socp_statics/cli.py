@@ -178,7 +178,8 @@ def view(
     try:
         save_page(question, html_file)
     except OSError as error:
-        raise StaticsError(f"--html {html_file}: the view could not be written ({error.strerror})", name=html_file, field="--html") from error
+        message = f"--html {html_file}: the view could not be written ({error.strerror})"
+        raise StaticsError(message, name=html_file, field="--html") from error
     typer.echo(f"{loaded.label}, {record['verdict']}: written to {html_file}")
     _check_expectations(loaded, record)
 

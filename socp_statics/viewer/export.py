@@ -17,7 +17,10 @@ from socp_statics.viewer.scene import Following, following, scene_of
 from socp_statics.viewer.words import answer_html, title
 
 FRAMES, FRAME, REST = 30, 1.0 / 15.0, 1.0
-PANEL = "position:fixed;bottom:3.5em;left:0.8em;z-index:2;max-width:24em;background:rgba(255,255,255,0.85);border-radius:4px;font-family:sans-serif"
+PANEL = (
+    "position:fixed;bottom:3.5em;left:0.8em;z-index:2;max-width:24em;background:rgba(255,255,255,0.85);border-radius:4px;"
+    "font-family:sans-serif"
+)
 
 
 def save_page(question: Question, path: str | os.PathLike[str]) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from importlib.util import find_spec
+from importlib import import_module
 
 from socp_statics.exceptions import InputError
 
@@ -15,7 +15,9 @@ def require_viewer() -> None:
     Raises:
         InputError: One is missing; the sentence says how to install it.
     """
-    missing = [name for name in NEEDED if find_spec(name) is None]
-    if missing:
-        message = f"view: {' and '.join(missing)} cannot be imported, install the extra with: pip install 'socp-statics[viewer]'"
-        raise InputError(message, name=missing[0], field="view")
+    for name in NEEDED:
+        try:
+            import_module(name)
+        except ImportError as error:
+            message = f"view: {name} cannot be imported, install the extra with: pip install 'socp-statics[viewer]'"
+            raise InputError(message, name=name, field="view") from error

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import threading
 import time
+from html import escape
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,7 +14,7 @@ from socp_statics.cases.record import Record
 from socp_statics.exceptions import EngineError
 from socp_statics.viewer.page import ROOT, Page, address, start_server, stop_server
 from socp_statics.viewer.question import Question
-from socp_statics.viewer.scene import LAYERS, Following, following, scene_of
+from socp_statics.viewer.scene import LAYERS, following, scene_of
 from socp_statics.viewer.words import answer_html, title
 
 HANDLE_SHARE, HANDLE_REACH = 0.16, 10.0
@@ -98,6 +100,10 @@ class LiveView:
         finally:
             self.close()
 
+    def clients(self) -> tuple[Any, ...]:
+        """The browsers that look at the page, as viser's client handles."""
+        return tuple(self._server.get_clients().values())
+
     def close(self) -> None:
         """Stop the server."""
         stop_server(self._server)
@@ -115,7 +121,7 @@ class LiveView:
             f"{ROOT}/handle", scale=HANDLE_SHARE * scene.extent, active_axes=(True, True, False), disable_rotations=True, depth_test=False,
             translation_limits=((-reach, reach), (-reach, reach), (-reach, reach)), position=self.page.local(com),
         )  # fmt: skip
-        self.handle.on_update(lambda event: self._drag())
+        self.handle.on_update(lambda event: self.drag())
 
     def _add_panel(self) -> None:
         gui = self._server.gui
@@ -124,7 +130,7 @@ class LiveView:
         self._words = gui.add_html(answer_html(self.record))
         gui.add_markdown(NOTE)
         back = gui.add_button("put the centre of mass back")
-        back.on_click(lambda event: self._put_back())
+        back.on_click(lambda event: self.put_back())
         self._play = gui.add_checkbox("play the certified motion", True)
         with gui.add_folder("show", expand_by_default=False):
             for layer, words in LAYERS.items():
@@ -135,11 +141,12 @@ class LiveView:
         node = self.page.layers[layer]
         box.on_update(lambda event: setattr(node, "visible", box.value))
 
-    def _put_back(self) -> None:
+    def put_back(self) -> None:
+        """Answer for where the centre of mass was first, and put the handle there."""
         self.handle.position = self.page.local(self._question.stance.com)
-        self._drag()
+        self.drag()
 
-    def _drag(self) -> None:
+    def drag(self) -> None:
         """Answer for where the handle is now; while one answer is being computed, later positions wait and the last one counts."""
         self._asked = np.asarray(self.handle.position, dtype=float)[:2] + self._scene.origin[:2]
         while self._turn.acquire(blocking=False):
@@ -147,7 +154,7 @@ class LiveView:
             try:
                 self.move_com(asked)
             except EngineError as error:
-                self._words.content = f"<p>{error}</p>"
+                self._words.content = f"<p>{escape(str(error))}</p>"
             finally:
                 self._turn.release()
             if self._asked is asked:

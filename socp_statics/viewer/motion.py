@@ -55,6 +55,7 @@ class CertifiedMotion:
     Attributes:
         points: Contact points and the centre of mass, shape (n + 1, 3) [m].
         velocities: Theirs, on the robot's side, shape (n + 1, 3) [m/s].
+        duration: How long the motion is followed [s]: 0.2 of the contacts' size, or 0.35 rad.
     """
 
     def __init__(self, motion: Mapping[str, Any], stance: Stance):
@@ -70,7 +71,7 @@ class CertifiedMotion:
         fastest = float(np.linalg.norm(self.velocities, axis=1).max())
         turning = max(float(np.linalg.norm(self._angular)), float(np.abs(self._rates).max(initial=0.0)))
         size = stance.contacts.size
-        self._end = min(REACH * size / fastest if fastest > 0.0 else np.inf, TURN / turning if turning > 0.0 else np.inf)
+        self.duration = min(REACH * size / fastest if fastest > 0.0 else np.inf, TURN / turning if turning > 0.0 else np.inf)
 
     @property
     def turns(self) -> bool:
@@ -94,7 +95,7 @@ class CertifiedMotion:
         import pinocchio
 
         at_origin = self._linear - np.cross(self._angular, self._point)
-        moved = pinocchio.exp6(pinocchio.Motion(share * self._end * at_origin, share * self._end * self._angular))
+        moved = pinocchio.exp6(pinocchio.Motion(share * self.duration * at_origin, share * self.duration * self._angular))
         return Placement(moved.rotation.copy(), moved.translation.copy())
 
     def bodies(self, share: float) -> dict[str, Placement]:
@@ -127,5 +128,5 @@ class CertifiedMotion:
     def _configuration(self, share: float, moved: Placement) -> Array:
         posture = self._posture
         assert posture is not None
-        angles = posture.angles + share * self._end * self._rates
+        angles = posture.angles + share * self.duration * self._rates
         return posture.robot.configuration(angles, moved.rotation @ posture.p_WB + moved.position, moved.rotation @ posture.R_WB)

@@ -173,8 +173,10 @@ class Page:
                                          thickness_units="screen")  # fmt: skip
         else:
             thick = mark.thickness
-            node = api.add_arrows(name, _drawable(_pieces(mark, origin)), linear_rgb(mark.colour), shaft_radius=thick, head_radius=2.2 * thick,
-                                  head_length=5.0 * thick)  # fmt: skip
+            node = api.add_arrows(
+                name, _drawable(_pieces(mark, origin)), linear_rgb(mark.colour), shaft_radius=thick, head_radius=2.2 * thick,
+                head_length=5.0 * thick,
+            )  # fmt: skip
         self.nodes[mark.name] = node
 
 

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from socp_statics.cases.answers import ANSWERS
 from socp_statics.cases.answers.equilibrium import verdict_keys
+from socp_statics.cases.answers.safety import safety_verdict
 from socp_statics.cases.answers.support_region import agree
 from socp_statics.cases.problem import Problem
 from socp_statics.cases.record import Record
@@ -18,6 +19,8 @@ from socp_statics.contacts import Stance
 from socp_statics.exceptions import InputError
 from socp_statics.regions import SupportRegion, trace_support_region
 from socp_statics.stability import check_equilibrium
+
+TOLERANCE, COARSE = 1e-3, 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,9 +61,12 @@ class Question:
         else:
             settings = {"cone": self.problem.cone, "form": self.problem.parameters["form"], "engine": self.engine}
             keys = verdict_keys(check_equilibrium(stance, **settings), stance)
-        if "region" not in keys:
-            region = traced(self.problem, stance, self.engine)
-            keys["com_margin"] = None if region is None else agree(region.com_margin, keys["verdict"])
+        region = None if self.region is None else traced(self.problem, stance, self.engine, COARSE)
+        keys["com_margin"] = None if region is None else agree(region.com_margin, keys["verdict"])
+        if "region" in self.record:
+            keys["status"] = self.record["status"]
+        if "safety" in self.record:
+            keys["safety"] = safety_verdict(stance, keys["com_margin"], self.record["safety"]["offset"])
         return stance, _about(self.record, keys, stance)
 
 
@@ -76,23 +82,23 @@ def ask(problem: Problem, record: Record, engine: str | Sequence[str]) -> Questi
         EngineError: No engine settled the region.
     """
     stance = problem.stance()
-    region = traced(problem, stance, engine)
+    region = traced(problem, stance, engine, problem.parameters.get("tolerance", TOLERANCE))
     if region is not None and record["com_margin"] is None:
         record = Record(dict(record) | {"com_margin": agree(region.com_margin, record["verdict"])})
     return Question(problem, record, engine, stance, region)
 
 
-def traced(problem: Problem, stance: Stance, engine: str | Sequence[str]) -> SupportRegion | None:
+def traced(problem: Problem, stance: Stance, engine: str | Sequence[str], tolerance: float) -> SupportRegion | None:
     """The support region of a stance of a problem; None where gravity has no vertical part.
 
     Args:
         problem: Its parameters.
         stance: The stance.
         engine: As for `socp_statics.cases.solve.solve`.
+        tolerance: Of its area; the margin of the centre of mass does not depend on it.
     """
-    stated = problem.parameters
     try:
-        return trace_support_region(stance, stated.get("tolerance", 1e-3), cone=problem.cone, form=stated["form"], engine=engine)
+        return trace_support_region(stance, tolerance, cone=problem.cone, form=problem.parameters["form"], engine=engine)
     except InputError as error:
         if error.field == "gravity":
             return None

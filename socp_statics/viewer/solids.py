@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from socp_statics.spatial import Array
@@ -56,5 +58,5 @@ def placed(surface: Surface, rotation: Array, position: Array) -> Surface:
     return vertices @ rotation.T + position, faces
 
 
-def _surface(mesh: object) -> Surface:
-    return np.array(mesh.vertices, dtype=float), np.array(mesh.faces, dtype=int)  # type: ignore[attr-defined]
+def _surface(mesh: Any) -> Surface:
+    return np.array(mesh.vertices, dtype=float), np.array(mesh.faces, dtype=int)

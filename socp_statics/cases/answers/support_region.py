@@ -83,4 +83,4 @@ def answer(problem: Problem, stance: Stance, engine: str | Sequence[str]) -> dic
     return keys
 
 
-ANSWER = Answer(SupportRegionParameters, answer, RECORD_KEYS | REGION_KEYS | SAFETY_KEYS, follows_com=True)
+ANSWER = Answer(SupportRegionParameters, answer, RECORD_KEYS | REGION_KEYS | SAFETY_KEYS)
