@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterable, Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -48,6 +49,7 @@ class Robot:
         source: Where its numbers come from.
         licence: Licence of the model.
         shapes: Primitive shapes for drawing and viewing, fixed to links.
+        urdf_file: The URDF it was read from, None where there is none; its meshes are looked for from there when somebody views it.
         digest: SHA-256 of the model's text and its contact frames.
     """
 
@@ -61,6 +63,7 @@ class Robot:
         licence: str,
         content: bytes,
         shapes: Iterable[Shape] = (),
+        urdf_file: Path | None = None,
         torque_limits_real: bool = True,
         torque_limits_note: str = "",
     ):
@@ -68,6 +71,7 @@ class Robot:
 
         self.name, self.source, self.licence = name, source, licence
         self.pin_model, self.shapes = pin_model, tuple(shapes)
+        self.urdf_file = urdf_file
         self._read_joints()
         self.mass = float(pinocchio.computeTotalMass(pin_model))
         if not 0.0 < self.mass < np.inf:

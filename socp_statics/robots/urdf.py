@@ -26,7 +26,7 @@ def robot_from_urdf(
     """A robot from a URDF.
 
     Joints are revolute, continuous (no limits), prismatic (its angle is a length [m], its torque a force [N]) or fixed. A mimic joint
-    is not a joint of its own: it follows its leader, whose torque carries both. Meshes are never opened.
+    is not a joint of its own: it follows its leader, whose torque carries both. Meshes are opened only by the 3-D view.
 
     Args:
         path: The URDF.
@@ -53,6 +53,7 @@ def robot_from_urdf(
         licence=licence,
         content=urdf.text,
         shapes=primitive_shapes(urdf),
+        urdf_file=Path(path),
         torque_limits_real=torque_limits_real,
         torque_limits_note=torque_limits_note,
     )

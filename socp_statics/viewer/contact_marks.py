@@ -10,7 +10,7 @@ from socp_statics.cones.choice import ConeChoice
 from socp_statics.cones.friction_pyramid import FrictionPyramid
 from socp_statics.contacts import Contact, ContactSet
 from socp_statics.spatial import Array
-from socp_statics.viewer.marks import Lines, Mark, Name, Solid, closed
+from socp_statics.viewer.marks import Lines, Mark, Name, Solid, closed, path
 from socp_statics.viewer.solids import ball, box, cone, fan, placed
 
 CONE_SHARE, PLATE_SHARE, DOT_SHARE, LIFT = 0.13, 0.12, 0.009, 0.0015
@@ -29,17 +29,17 @@ def contact_marks(contacts: ContactSet, extent: float) -> list[Mark]:
     lowest = float(contacts.points_W[:, 2].min())
     out: list[Mark] = []
     for contact in contacts:
-        points, path = contact.points_W, f"contacts/{contact.name}"
+        points, here = contact.points_W, path("contacts", contact.name)
         middle = points.mean(axis=0)
         if len(points) > 1:
-            out.append(Lines(f"{path}/outline", closed(points) if len(points) > 2 else points[None], SOLE_LINE, pixels=3.0))
+            out.append(Lines(f"{here}/outline", closed(points) if len(points) > 2 else points[None], SOLE_LINE, pixels=3.0))
         else:
             dot = ball(DOT_SHARE * extent) if contact.unilateral else box(np.full(3, 3.0 * DOT_SHARE * extent))
-            out.append(Solid(f"{path}/point", *placed(dot, contact.rotation, middle), SOLE_LINE))
+            out.append(Solid(f"{here}/point", *placed(dot, contact.rotation, middle), SOLE_LINE))
         on_floor = contact.normal_W[2] > 1.0 - LEVEL and points[:, 2].min() < lowest + LEVEL * extent
         if contact.unilateral and not on_floor:
-            out.append(Solid(f"{path}/carrier", *_plate(contact, extent), GROUND, opacity=PLATE_OPACITY))
-        out.append(Name(f"{path}/name", contact.name, middle))
+            out.append(Solid(f"{here}/carrier", *_plate(contact, extent), GROUND, opacity=PLATE_OPACITY))
+        out.append(Name(f"{here}/name", contact.name, middle))
     return out
 
 
@@ -69,17 +69,17 @@ def cone_marks(contacts: ContactSet, extent: float, choice: ConeChoice) -> list[
         if not contact.unilateral:
             continue
         for k, apex in enumerate(contact.points_W):
-            path = f"cones/{contact.name}/{k}"
+            here = path("cones", contact.name, str(k))
             rim = _rim(FrictionCone(contact.friction).generators(CONE_SIDES), contact, apex, slant)
             if len(rim) < 3:
-                out.append(Lines(f"{path}/normal", np.array([[apex, rim[0]]]), ORANGE))
+                out.append(Lines(f"{here}/normal", np.array([[apex, rim[0]]]), ORANGE))
                 continue
-            out.append(Solid(f"{path}/cone", *cone(apex, rim), ORANGE, opacity=CONE_OPACITY))
-            out.append(Lines(f"{path}/rim", closed(rim), ORANGE, pixels=1.5))
+            out.append(Solid(f"{here}/cone", *cone(apex, rim), ORANGE, opacity=CONE_OPACITY))
+            out.append(Lines(f"{here}/rim", closed(rim), ORANGE, pixels=1.5))
             if not choice.is_exact:
                 corners = _rim(FrictionPyramid(contact.friction, choice).generators(), contact, apex, slant)
                 edges = np.stack([np.broadcast_to(apex, corners.shape), corners], axis=1)
-                out.append(Lines(f"{path}/pyramid", np.vstack([edges, closed(corners)]), ORANGE, pixels=2.5))
+                out.append(Lines(f"{here}/pyramid", np.vstack([edges, closed(corners)]), ORANGE, pixels=2.5))
     return out
 
 

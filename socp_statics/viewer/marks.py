@@ -97,6 +97,11 @@ class Name(NamedTuple):
 Mark = Frame | Solid | Arrows | Lines | Name
 
 
+def path(*parts: str) -> str:
+    """The name of a mark from its parts, which may be called anything: a slash in one of them does not part it."""
+    return "/".join(part.replace("/", "|") for part in parts)
+
+
 def closed(corners: Array) -> Array:
     """The pieces of a closed line through corners, shape (k, 3) -> (k, 2, 3)."""
     return np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)

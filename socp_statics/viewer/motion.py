@@ -42,6 +42,17 @@ def joint_placements(posture: Posture, q: Array) -> dict[str, Placement]:
     return {model.names[k]: Placement(data.oMi[k].rotation.copy(), data.oMi[k].translation.copy()) for k in range(1, model.njoints)}
 
 
+def still_bodies(stance: Stance) -> dict[str, Placement]:
+    """Where the bodies of a stance are: those of its robot by joint; without a robot one `BODY`, its origin at the mean contact point.
+
+    Args:
+        stance: The stance.
+    """
+    if stance.posture is None:
+        return {BODY: Placement(np.eye(3), stance.contacts.centre)}
+    return joint_placements(stance.posture, stance.posture.q)
+
+
 class CertifiedMotion:
     """A certificate motion followed from the stance on; a first-order motion, drawn as far as one can see it.
 
@@ -99,7 +110,7 @@ class CertifiedMotion:
         return Placement(moved.rotation.copy(), moved.translation.copy())
 
     def bodies(self, share: float) -> dict[str, Placement]:
-        """Where the bodies are: those of the robot by joint; without a robot one `BODY`, its origin at the mean contact point.
+        """Where the bodies of `still_bodies` have moved to.
 
         Args:
             share: Of the motion that is drawn, 0 to 1.

@@ -12,6 +12,7 @@ import numpy as np
 
 from socp_statics.colours import BLACK
 from socp_statics.spatial import Array
+from socp_statics.viewer.body import body_name
 from socp_statics.viewer.marks import Arrows, Frame, Lines, Mark, Name, Solid
 from socp_statics.viewer.motion import Placement
 from socp_statics.viewer.scene import LAYERS, Following, Scene
@@ -70,9 +71,6 @@ class Page:
         self._add_floor()
         for mark in scene.still:
             self._add(mark)
-        self._still = {
-            mark.name.removeprefix("body/"): Placement(mark.rotation, mark.position) for mark in scene.still if isinstance(mark, Frame)
-        }
         self.nodes["com/ball"] = api.add_icosphere(f"{ROOT}/com/ball", COM_SHARE * scene.extent, rgb(BLACK), cast_shadow=False)
 
     def local(self, point_W: Array) -> Array:
@@ -102,7 +100,7 @@ class Page:
             moving: What follows.
         """
         self.show(moving.marks)
-        self.place(self._still, moving.com)
+        self.place(moving.bodies, moving.com)
 
     def play(self, moving: Following, share: float) -> None:
         """Show the bodies and the centre of mass as the certified motion has them.
@@ -123,7 +121,7 @@ class Page:
         """
         self.nodes["com/ball"].position = self.local(com)
         for name, at in bodies.items():
-            node = self.nodes[f"body/{name}"]
+            node = self.nodes[body_name(name)]
             node.position = self.local(at.position)
             node.wxyz = quaternion(at.rotation)
 

@@ -14,7 +14,7 @@ from socp_statics.viewer.contact_marks import cone_marks, contact_marks
 from socp_statics.viewer.floor_marks import base_marks, com_marks, floor_height, region_marks
 from socp_statics.viewer.force_marks import force_marks, force_scale, motion_marks
 from socp_statics.viewer.marks import Arrows, Lines, Mark
-from socp_statics.viewer.motion import CertifiedMotion
+from socp_statics.viewer.motion import CertifiedMotion, Placement, still_bodies
 from socp_statics.viewer.question import Question
 
 LAYERS = {
@@ -52,11 +52,13 @@ class Following(NamedTuple):
 
     Attributes:
         com: The centre of mass, shape (3,) [m].
+        bodies: Where the bodies are.
         marks: Arrows and lines; the same names every time, some of them empty.
         motion: The certified motion of an unstable answer, else None.
     """
 
     com: Array
+    bodies: dict[str, Placement]
     marks: tuple[Arrows | Lines, ...]
     motion: CertifiedMotion | None
 
@@ -104,4 +106,4 @@ def following(scene: Scene, stance: Stance, record: Record) -> Following:
     ]
     if stance.posture is None:
         marks.append(struts(stance))
-    return Following(stance.com, tuple(marks), motion)
+    return Following(stance.com, still_bodies(stance), tuple(marks), motion)
