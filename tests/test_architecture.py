@@ -46,6 +46,7 @@ HOMES = {
     "matplotlib": {"figures"},
     "viser": {"viewer"},
     "trimesh": {"viewer"},
+    "coal": {"viewer"},
     "pydantic": {"cases"},
     "typer": {"cli"},
     "rich": {"cli", "runner"},
