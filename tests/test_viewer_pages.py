@@ -23,6 +23,7 @@ from socp_statics.engines import SINGLE
 from socp_statics.exceptions import EngineError
 from socp_statics.viewer import LiveView, ask, page_html, save_page
 from socp_statics.viewer.page import linear_rgb, quaternion
+from socp_statics.viewer.scene import LAYERS
 
 PATIENCE = 60.0
 # colours as they look on the page, and shares of it that they must at least have
@@ -178,6 +179,13 @@ def test_dragging_the_centre_of_mass_in_the_browser_asks_again(driver, tmp_path,
     wait_for(says("unstable"))
     dragged = np.array(view.record["case"]["generated"]["com"])
     assert dragged[0] > com[0] + 0.3 and np.allclose(dragged[1:], com[1:], atol=1e-6)
+    driver.execute_script("arguments[0].click()", driver.find_element("xpath", "//button[contains(., 'show')] | //*[text()='show']"))
+    label = wait_for(lambda: next(iter(driver.find_elements("xpath", "//label[contains(., 'friction cones')]")), None))
+    cones = view.page.server.scene.get_handle_by_name("/stance/cones")
+    assert cones.visible
+    box = driver.find_element("id", label.get_attribute("for"))
+    driver.execute_script("arguments[0].click()", box)
+    assert wait_for(lambda: not cones.visible)
     button = driver.find_element("xpath", "//button[contains(., 'put the centre of mass back')]")
     driver.execute_script("arguments[0].click()", button)
     wait_for(says("71.837 N"))
@@ -251,6 +259,27 @@ def test_answers_follow_within_a_twentieth_of_a_second_of_work(live):
         view.move_com(com + rng.uniform(-0.03, 0.03, 2))
         spent.append(time.process_time() - start)
     assert np.median(spent) < 0.5  # 0.013 s measured alone; a hang, not a speed, would fail here
+
+
+def test_layers_are_shown_and_hidden(live):
+    view = live("contacts/slope_block_slides")
+    for layer in LAYERS:
+        node = view.page.server.scene.get_handle_by_name(f"/stance/{layer}")
+        assert node.visible
+        view.page.show_layer(layer, False)
+        assert not node.visible
+
+
+def test_a_frame_of_a_motion_that_is_over_does_not_stay(live):
+    view = live("hoap2/push_tips")
+    base = view.page.nodes["body/root_joint"]
+    stands = np.array(base.position)
+    old = view._moving
+    view.move_com([0.06, -0.039])
+    view.page.play(old, 1.0)  # as a frame that was on its way when the answer came
+    view._at_rest = False
+    view.animate(2.0)
+    assert np.allclose(base.position, stands)
 
 
 def test_rotations_and_colours_reach_the_browser_as_they_are():

@@ -84,9 +84,12 @@ class LiveView:
         playing = moving.motion is not None and self._play.value
         if not playing and self._at_rest:
             return
-        share = min(max(seconds % (PERIOD + 2.0 * REST) - REST, 0.0) / PERIOD, 1.0) if playing else 0.0
+        share = min(max(seconds % (PERIOD + 2.0 * REST) - REST, 0.0) / PERIOD, 1.0)
         with self._server.atomic():
-            self.page.play(moving, share)
+            if playing:
+                self.page.play(moving, share)
+            else:
+                self.page.place(moving.bodies, moving.com)
         self._at_rest = not playing
 
     def run(self) -> None:
@@ -138,8 +141,7 @@ class LiveView:
 
     def _add_switch(self, layer: str, words: str) -> None:
         box = self._server.gui.add_checkbox(words, True)
-        node = self.page.layers[layer]
-        box.on_update(lambda event: setattr(node, "visible", box.value))
+        box.on_update(lambda event: self.page.show_layer(layer, box.value))
 
     def put_back(self) -> None:
         """Answer for where the centre of mass was first, and put the handle there."""

@@ -64,8 +64,8 @@ class Page:
         self.server, self.scene = server, scene
         self.nodes: dict[str, Any] = {}
         api = server.scene
-        self._root = api.add_frame(ROOT, show_axes=False, position=scene.origin)
-        self.layers = {layer: api.add_frame(f"{ROOT}/{layer}", show_axes=False) for layer in LAYERS}
+        api.add_frame(ROOT, show_axes=False, position=scene.origin)
+        self._layers = {layer: api.add_frame(f"{ROOT}/{layer}", show_axes=False) for layer in LAYERS}
         self._look()
         self._light()
         self._add_floor()
@@ -92,6 +92,15 @@ class Page:
             elif len(pieces):
                 node.points = pieces
             node.visible = bool(len(pieces))
+
+    def show_layer(self, layer: str, visible: bool) -> None:
+        """Show or hide one of `scene.LAYERS`.
+
+        Args:
+            layer: Its key.
+            visible: Whether it is shown.
+        """
+        self._layers[layer].visible = visible
 
     def follow(self, moving: Following) -> None:
         """Show what follows the centre of mass, and all bodies where the stance has them.
