@@ -290,7 +290,9 @@ def test_rotations_and_colours_reach_the_browser_as_they_are():
 
 
 def test_view_serves_until_it_is_interrupted():
-    command = [sys.executable, "-m", "socp_statics", "view", "contacts/slope_block_sweep", "--case", "2", "--set", "posture.mass=11",
+    # a process that a shell put into the background ignores interrupts; at a terminal it does not
+    program = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); import socp_statics.cli as c; c.entry_point()"
+    command = [sys.executable, "-c", program, "view", "contacts/slope_block_sweep", "--case", "2", "--set", "posture.mass=11",
                "--engine", "clarabel"]  # fmt: skip
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     try:
