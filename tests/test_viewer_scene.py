@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from socp_statics.cases.answers import ANSWERS
 from socp_statics.cases.hashing import plain
 from socp_statics.cases.problem import load_problem, problem_from_tables
 from socp_statics.cases.solve import solve
@@ -86,6 +87,27 @@ def test_force_arrows_are_the_forces_of_the_record_to_one_scale_and_balance(name
     assert np.allclose(arrows["forces/weight"].tails, question.stance.com)
     longest = max(np.linalg.norm(way) for mark in arrows.values() for way in mark.ways)
     assert longest == pytest.approx(0.45 * scene.extent)
+
+
+def test_a_capability_is_shown_at_its_largest_load_with_what_stops_more_and_follows():
+    question = asked("hoap2/payload_in_front")
+    _, moving = drawn(question)
+    limit = question.record["capability"]
+    arrows = {mark.name: mark for mark in moving.marks if isinstance(mark, Arrows)}
+    assert np.allclose(arrows["forces/loads"].tails[-1], limit["point"]) and moving.motion is not None
+    parts = [arrows[f"forces/{kind}"].ways.sum(axis=0) for kind in ("contacts", "weight", "loads")]
+    assert np.linalg.norm(sum(parts)) <= 1e-2 * np.linalg.norm(arrows["forces/weight"].ways)
+    _, other = question.moved_to(question.stance.com[:2] - [0.01, 0.0])
+    assert other["objective"] > question.record["objective"]
+
+
+def test_what_does_not_follow_the_centre_of_mass_is_not_shown_for_another_one(monkeypatch):
+    question = asked("hoap2/payload_in_front")
+    answer = ANSWERS.load("capability")
+    monkeypatch.setattr(type(ANSWERS), "load", lambda self, name: replace(answer, follows_com=False))
+    _, record = question.moved_to(question.stance.com[:2])
+    assert "capability" not in record and record["verdict"] == question.record["verdict"] and record["objective"] is None
+    assert dict(answer_lines(record))["verdict"] == "stable"
 
 
 def test_cones_are_exact_and_stand_on_the_contact_points():

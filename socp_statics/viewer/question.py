@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from socp_statics.cases.answers import ANSWERS
+from socp_statics.cases.answers.answer import RECORD_KEYS
 from socp_statics.cases.answers.equilibrium import verdict_keys
 from socp_statics.cases.answers.safety import safety_verdict
 from socp_statics.cases.answers.support_region import agree
@@ -21,6 +22,8 @@ from socp_statics.regions import SupportRegion, trace_support_region
 from socp_statics.stability import check_equilibrium
 
 TOLERANCE, COARSE = 1e-3, 0.1
+# what a model adds to the common keys of a record and is still known where its centre of mass was moved
+FOLLOWING = {"region", "com_margin", "safety", "objective"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +70,9 @@ class Question:
             keys["status"] = self.record["status"]
         if "safety" in self.record:
             keys["safety"] = safety_verdict(stance, keys["com_margin"], self.record["safety"]["offset"])
-        return stance, _about(self.record, keys, stance)
+        gone = set() if answer.follows_com else set(answer.record_keys) - set(RECORD_KEYS) - FOLLOWING
+        kept = {key: value for key, value in self.record.items() if key not in gone}
+        return stance, _about(kept, keys, stance)
 
 
 def ask(problem: Problem, record: Record, engine: str | Sequence[str]) -> Question:

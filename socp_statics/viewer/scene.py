@@ -9,6 +9,7 @@ import numpy as np
 from socp_statics.cases.record import Record
 from socp_statics.contacts import Stance
 from socp_statics.spatial import Array
+from socp_statics.viewer.acting import acting
 from socp_statics.viewer.body import body_extent, body_marks, struts
 from socp_statics.viewer.contact_marks import cone_marks, contact_marks
 from socp_statics.viewer.floor_marks import base_marks, com_marks, floor_height, region_marks
@@ -54,7 +55,7 @@ class Following(NamedTuple):
         com: The centre of mass, shape (3,) [m].
         bodies: Where the bodies are.
         marks: Arrows and lines; the same names every time, some of them empty.
-        motion: The certified motion of an unstable answer, else None.
+        motion: The certified motion of an unstable answer, or of one whose load cannot be larger, else None.
     """
 
     com: Array
@@ -80,12 +81,13 @@ def scene_of(question: Question) -> Scene:
         *region_marks(question.region, stance.contacts, extent),
         *base_marks(stance.contacts, extent),
     ]
+    acts = acting(stance, question.record)
     return Scene(
         origin=0.5 * (shown.min(axis=0) + shown.max(axis=0)),
         extent=extent,
         floor=floor_height(stance.contacts),
         still=tuple(still),
-        scale=force_scale(question.record["forces"], stance, extent),
+        scale=force_scale(acts.forces, acts.stance, extent),
     )
 
 
@@ -97,11 +99,11 @@ def following(scene: Scene, stance: Stance, record: Record) -> Following:
         stance: The stance with the centre of mass there.
         record: Its answer.
     """
-    certificate = record["certificate"] or {}
-    motion = CertifiedMotion(certificate, stance) if certificate.get("kind") == "motion" else None
+    acts = acting(stance, record)
+    motion = None if acts.motion is None else CertifiedMotion(acts.motion, stance)
     marks: list[Arrows | Lines] = [
         *com_marks(stance.com, stance.contacts, scene.extent),
-        *force_marks(record["forces"], stance, scene.extent, scene.scale),
+        *force_marks(acts.forces, acts.stance, scene.extent, scene.scale),
         *motion_marks(motion, scene.extent),
     ]
     if stance.posture is None:

@@ -9,7 +9,8 @@ from typing import Any
 from socp_statics.cases.summary import summary_lines
 from socp_statics.colours import BLACK, GREY, VERDICT_COLOURS
 
-SHOWN = ("verdict", "status", "margin", "idle", "CoM margin", "objective", "safety", "because", "contact", "torque")
+SHOWN = ("verdict", "status", "margin", "idle", "CoM margin", "objective", "safety", "because", "beyond it", "stopped by",
+         "contact", "torque")  # fmt: skip
 
 
 def answer_lines(record: Mapping[str, Any]) -> list[tuple[str, str]]:

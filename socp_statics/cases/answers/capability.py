@@ -123,4 +123,4 @@ CAPABILITY_KEYS: dict[str, Any] = {
     },
     "prices": RECORD_KEYS["prices"] | {"payload": PRICE_KEYS, "push": PRICE_KEYS},
 }
-ANSWER = Answer(CapabilityParameters, answer, RECORD_KEYS | CAPABILITY_KEYS)
+ANSWER = Answer(CapabilityParameters, answer, RECORD_KEYS | CAPABILITY_KEYS, follows_com=True)
