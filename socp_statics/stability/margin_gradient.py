@@ -9,30 +9,24 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from socp_statics.certificates import Motion, motion_of
+from socp_statics.certificates.faces import optimal_faces
+from socp_statics.certificates.optimum import Multipliers
 from socp_statics.cones.choice import ConeChoice, cone_choice
 from socp_statics.contacts import ExternalWrench, Stance
 from socp_statics.contacts.stance import stance_of
-from socp_statics.engines import engines_for
-from socp_statics.engines.conic_form import ConicForm
-from socp_statics.engines.optimal_face import SMALL, optimal_face
-from socp_statics.engines.solution import SOLVED, Solution
-from socp_statics.exceptions import EngineError
-from socp_statics.models.contact_forces_set import ForceShape, force_shape, force_values
-from socp_statics.models.equilibrium import MODEL
 from socp_statics.spatial import Array, cross
-from socp_statics.stability.margin import CAPS, FORCE_TOLERANCE, normal_force_margin
-from socp_statics.statics import StaticsData, assemble, wrench_range
+from socp_statics.stability.margin import normal_force_margin
+from socp_statics.statics import StaticsData, assemble
 from socp_statics.statics.contact_wrenches import contact_wrenches
 from socp_statics.statics.static_derivatives import StaticDerivatives
-from socp_statics.statics.wrench_range import INSIDE
 
-PARTS = ("com", "positions", "rotations", "tangent")
+# How far a derivative may vary over the optimal forces and multipliers and still count as unique, relative to 1 + its size.
+SMALL = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,23 +92,17 @@ def margin_gradient(
     stance = stance_of(contacts, com, mass, gravity, external_wrenches, torque_limits)
     choice = cone_choice(cone, sides, heading)
     data = assemble(stance)
-    found = _optimum(data, choice, engine)
-    derivatives = None if stance.posture is None else StaticDerivatives(stance)
-    sensitivity = Sensitivity(stance, data, derivatives)
-    if found is None:
-        margin = normal_force_margin(data, choice, "socp", engine).value
-        return _parted(stance, margin, sensitivity.of(np.full((len(stance.contacts), 6), np.nan), _nan_motion(data)), None)
-    shape, values, solution = found
-    basis = wrench_range(data.wrench_map).basis
-    x, t = solution.variables["x"], float(solution.variables["t"])
-    motion = _motion(data, basis, solution.duals)
-    value = sensitivity.of(contact_wrenches(data, x), motion)
-    form = _form(shape)
-    conic = form.data(form.parameter_vector(values))
-    face = optimal_face(form, conic, form.primal_vector(solution.variables), form.conic_multipliers(solution.duals))
-    kinks = [sensitivity.along_forces(contact_wrenches(data, form.variables(dz)["x"]), motion) for dz in face.variables.T]
-    kinks += [sensitivity.of(contact_wrenches(data, x), _motion(data, basis, form.duals(dy))) for dy in face.multipliers.T]
-    return _parted(stance, t * data.units.force, value, kinks if face.strict else None)
+    margin = normal_force_margin(data, choice, "socp", engine)
+    sensitivity = Sensitivity(stance, data, None if stance.posture is None else StaticDerivatives(stance))
+    optimum = margin.optimum
+    if optimum is None or not np.isfinite(margin.value):
+        nowhere = Motion(np.full(6, np.nan), np.full(len(data.torques.names), np.nan))
+        return _parted(stance, margin.value, sensitivity.of(np.full((len(stance.contacts), 6), np.nan), nowhere), None)
+    wrenches, motion = contact_wrenches(data, optimum.x), _motion(data, optimum.multipliers)
+    faces = optimal_faces(optimum)
+    kinks = [sensitivity.along_forces(contact_wrenches(data, dx), motion) for dx in faces.forces]
+    kinks += [sensitivity.of(wrenches, _motion(data, optimum.multipliers.like(dy))) for dy in faces.multipliers]
+    return _parted(stance, margin.value * data.units.force, sensitivity.of(wrenches, motion), kinks)
 
 
 class Sensitivity:
@@ -166,36 +154,8 @@ class Sensitivity:
         return np.concatenate([posture.R_WB.T @ base, posture.R_WB.T @ angular, motion.joints / units.length])
 
 
-def _optimum(data: StaticsData, cone: ConeChoice, engine: str | Sequence[str]) -> tuple[ForceShape, dict[str, Any], Solution] | None:
-    """The margin program solved with everything that stands behind it; None where the margin is infinite."""
-    reach = wrench_range(data.wrench_map)
-    if reach.outside(data.load) > INSIDE:
-        return None
-    shape, values = force_shape(data, cone, "socp", reach.rank), force_values(data, cone, reach.basis)
-    engines = engines_for(engine)
-    for one in engines:
-        for cap in CAPS:
-            capped: dict[str, Any] = {**values, "cap": cap}
-            solution = one.compile(MODEL, shape).solve(capped)
-            if solution.status == SOLVED and max(solution.gap, solution.residuals.dual) <= FORCE_TOLERANCE:
-                if float(solution.variables["t"]) < cap * (1.0 - 1e-6):
-                    return shape, capped, solution
-    if np.isinf(normal_force_margin(data, cone, "socp", engine).value):
-        return None
-    raise EngineError(f"the multipliers of the margin were not settled by {', '.join(e.name for e in engines)}", name=engines[-1].name)
-
-
-@lru_cache(maxsize=64)
-def _form(shape: ForceShape) -> ConicForm:
-    return ConicForm(MODEL.declare(shape))
-
-
-def _motion(data: StaticsData, basis: Array, duals: Mapping[str, Array]) -> Motion:
-    return motion_of(data, basis @ duals["balance"], duals.get("limits"))
-
-
-def _nan_motion(data: StaticsData) -> Motion:
-    return Motion(np.full(6, np.nan), np.full(len(data.torques.names), np.nan))
+def _motion(data: StaticsData, multipliers: Multipliers) -> Motion:
+    return motion_of(data, multipliers.twist, multipliers.limits)
 
 
 def _parted(stance: Stance, margin: float, value: dict[str, Array], kinks: list[dict[str, Array]] | None) -> MarginGradient:
