@@ -42,6 +42,9 @@ _HOMES = {
     "Posture": "postures",
     "pose": "postures",
     "minimise_torque_use": "optimization",
+    "optimise_posture": "optimization",
+    "margin_gradient": "stability",
+    "posture_types": "statics.posture_types",
     "load_problem": "cases.problem",
     "solve": "cases.solve",
     "Record": "cases.record",
@@ -80,6 +83,7 @@ if TYPE_CHECKING:
     from socp_statics.optimization import minimise_largest_wrench as minimise_largest_wrench
     from socp_statics.optimization import minimise_torque_use as minimise_torque_use
     from socp_statics.optimization import optimise_contact_forces as optimise_contact_forces
+    from socp_statics.optimization import optimise_posture as optimise_posture
     from socp_statics.postures import Posture as Posture
     from socp_statics.postures import pose as pose
     from socp_statics.regions import base_of_support as base_of_support
@@ -92,6 +96,8 @@ if TYPE_CHECKING:
     from socp_statics.robots import load_robot as load_robot
     from socp_statics.stability import check_equilibrium as check_equilibrium
     from socp_statics.stability import check_equilibrium_many as check_equilibrium_many
+    from socp_statics.stability import margin_gradient as margin_gradient
+    from socp_statics.statics.posture_types import posture_types as posture_types
 
 
 def __getattr__(name: str) -> Any:

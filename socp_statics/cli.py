@@ -110,6 +110,10 @@ def show(
     if loaded.sweep:
         typer.echo(f"\n[sweep] makes {loaded.case_count} cases; this is the program of case 0:")
     typer.echo(f"\n{describe(first.model, first.stance(), first.parameters)}")
+    if first.robot_posture is not None:
+        from socp_statics.statics.posture_types import posture_types
+
+        typer.echo(f"\nposture types (Table 3.1)\n{posture_types(first.robot_posture).describe()}")
 
 
 @app.command()

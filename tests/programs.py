@@ -27,6 +27,8 @@ from socp_statics.models.contact_forces_set import force_shape, force_values
 from socp_statics.models.hard_rows import hard_values
 from socp_statics.models.minimax_wrench import MinimaxShape
 from socp_statics.models.orin_oh import OrinOhShape
+from socp_statics.models.posture_optimization import PostureStepShape
+from socp_statics.models.repeated_forces import block_rows, repeated_forces
 from socp_statics.models.support_region import RegionShape
 from socp_statics.models.torque_feasibility import TorqueShape
 from socp_statics.optimization.force_rows import force_rows, groups
@@ -177,6 +179,25 @@ def _torques(data, reach, shape, values):
     return {"": (TorqueShape(shape, 2), values | more)}
 
 
+def _posture(data, reach, shape, values):
+    """Two motions within joint limits that change balance and torques; for a CoM margin forces in two directions."""
+    waves = np.sin(np.arange(1, 2 * shape.rows + 1).reshape(shape.rows, 2)) / 10
+    motion = {"Q": np.array([[1.0, -1.0], [-1.0, 0.5]]), "room": np.array([0.05, 0.02]), "trust": 0.1, "cap": 1.0, "rho": 1e-6}
+    limits = {"V": np.array([[0.2, -0.1], [0.1, 0.3]]), "d_torque": np.array([0.45, 0.6]), "u_torque": np.array([0.4, 0.7])}
+    one = values | motion | limits | {"A": waves, "H_torque": _joint_rows(shape.columns)}
+    both = repeated_forces(shape, values, 2)
+    two = both.values | motion | {name: np.concatenate([value, value]) for name, value in limits.items()}
+    two |= {
+        "A": np.vstack([waves, -waves]),
+        "H_torque": block_rows(_joint_rows(shape.columns), both.columns, both.shape.columns),
+        "D": np.kron(np.eye(2), reach.basis.T @ data.com_load),
+        "d": np.array([[0.6, 0.8, 0.0, 0.0], [0.0, 0.0, -1.0, 0.0]]),
+    }
+    return {name: (PostureStepShape(shape, 2, 2, 2, name), one) for name in ("margin", "torque")} | {
+        "com_margin": (PostureStepShape(both.shape, 2, 4, 2, "com_margin", 2), two)
+    }
+
+
 def _orin_oh(data, reach, shape, values):
     more = {"P": _joint_rows(shape.columns), "p0": np.array([0.1, -0.2]), "b": 0.5}
     return {"joints": (OrinOhShape(shape, 2), values | more), "no joints": (OrinOhShape(shape, 0), values | more)}
@@ -212,6 +233,7 @@ BUILDERS = {
     "capability": _capability,
     "torque_feasibility": _torques,
     "orin_oh": _orin_oh,
+    "posture_optimization": _posture,
 }
 
 
@@ -231,6 +253,7 @@ VARIANTS = {
     "support_region": ("clipped", "open"),
     "capability": ("open", "capped"),
     "orin_oh": ("joints", "no joints"),
+    "posture_optimization": ("margin", "torque", "com_margin"),
 }
 
 

@@ -62,6 +62,15 @@ def test_the_robot_program_prints_what_the_readme_says(capsys):
     assert f"prints `{said}`" in README
 
 
+def test_the_posture_program_prints_what_the_readme_says(capsys):
+    names: dict = {}
+    for block in blocks("python")[2:4]:
+        exec(compile(block, "README", "exec"), names)  # noqa: S102
+    said = capsys.readouterr().out.splitlines()[-1]
+    assert f"prints `{said}`" in README
+    assert names["gradient"].tangent.shape == (31,) and names["types"]["singular"].dimension == 0
+
+
 def test_every_verb_of_the_table_exists_and_no_other_is_listed(capsys):
     verbs = set(re.findall(r"\| `socp-statics ([a-z]+)", README))
     assert main(["--help"]) == 0

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from socp_statics.cases.optimized_words import optimized_lines
 from socp_statics.cases.price_words import price_lines
 from socp_statics.certificates.reading import direction_words
 
@@ -46,8 +47,10 @@ def summary_lines(record: Mapping[str, Any]) -> list[tuple[str, str]]:
         lines.append(("CoM margin", _millimetres(record["com_margin"])))
     if "region" in record:
         lines.append(("region", _region(record["region"])))
-    if record["objective"] is not None:
+    if record["objective"] is not None and "optimized" not in record:
         lines.append(("objective", _objective(record)))
+    if "optimized" in record:
+        lines += [("optimised", line) for line in optimized_lines(record)]
     if "safety" in record:
         lines.append(("safety", _safety(record["safety"])))
     if record["certificate"]:

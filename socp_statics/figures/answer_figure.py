@@ -21,6 +21,7 @@ from socp_statics.figures.draw_robot import HEAD, Pushes, add_robot
 from socp_statics.figures.draw_stance import add_com_or_direction, add_contacts, add_forces
 from socp_statics.figures.draw_torques import add_torques
 from socp_statics.figures.layout import SHEET_AXES, Bars, Row, arrange, new_axes, shaped_for_sheet, sheet_of
+from socp_statics.figures.optimized_posture import optimized_posture
 from socp_statics.figures.outlines import VIEWS
 from socp_statics.figures.place_names import place_names, with_room_for_names
 from socp_statics.figures.side_view import across_axis, add_side
@@ -72,19 +73,24 @@ def answer_figure(record: Mapping[str, Any], regions: Mapping[str, SupportRegion
 
     Returns:
         The figure. From top to bottom: the floor plan; with a posture the robot from its side and from the front, else, where the
-        record has no region, a view of the contacts from the side; the joint torques where the record has any.
+        record has no region, a view of the contacts from the side; the optimised posture where there is one; the joint torques where
+        the record has any, those of the given posture.
     """
     answer = answer_of(record, regions, posture)
     with house_style():
         with_side = posture is None and "region" not in record
-        views = 2 if posture is not None else int(with_side)
+        better = optimized_posture(record, posture)
+        views = 4 if better is not None else 2 if posture is not None else int(with_side)
         plan = new_axes(1 + views + bool(answer.torques))
         figure = sheet_of(plan)
         panels = 2 if views else 1
         shown = _add_plan(plan, answer, panels)
         rows: list[Row | Bars] = [Row((plan,), (shown,))]
         if posture is not None:
-            rows.append(_add_robot(figure.axes[1:3], answer, posture))
+            rows.append(_add_robot(figure.axes[1:3], answer, posture, "" if better is None else ", given"))
+            if better is not None:
+                after = answer_of({**record, **record["optimized"], "certificate": None}, None, better)
+                rows.append(_add_robot(figure.axes[3:5], after._replace(com=better.com_W), better, ", optimised"))
         elif with_side:
             rows.append(Row((figure.axes[1],), (add_side(figure.axes[1], answer),)))
         if answer.torques:
@@ -119,13 +125,13 @@ def _title(record: Mapping[str, Any]) -> str:
     return str(record.get("problem") or record["model"])
 
 
-def _add_robot(axes: list[Axes], answer: Answer, posture: Posture) -> Row:
+def _add_robot(axes: list[Axes], answer: Answer, posture: Posture, which: str = "") -> Row:
     """The robot from its side and from the front, with everything that pushes it and the motion that nothing prevents."""
     weight = [{"point": answer.com, "force": answer.weight}] if answer.forces or answer.loads else []
     pushes = Pushes(answer.forces, weight, answer.loads)
     windows = []
     for ax, view in zip(axes, VIEWS.values(), strict=True):
-        window = add_robot(ax, posture, view, pushes)
+        window = add_robot(ax, posture, view._replace(words=view.words + which), pushes)
         if answer.motion is not None:
             window = add_motion(ax, answer.motion, answer.contacts, answer.com, window, view.axes, posture, to_scale=True)
         windows.append(window)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from socp_statics.cases.optimized_words import before_and_after
 from socp_statics.cases.summary import capability_words
 from socp_statics.colours import VERDICT_COLOURS
 from socp_statics.cones.choice import KINDS
@@ -42,6 +43,8 @@ def answer_words(record: Mapping[str, Any], answer: Answer, window: Window) -> l
     out = [Words("; ".join(parts), VERDICT_COLOURS.get(verdict, BLACK), "bold")]
     if record.get("capability") and record.get("objective") is not None:
         out.append(Words(capability_words(record)))
+    if "optimized" in record:
+        out.append(Words(f"optimised: {before_and_after(record['optimized'])}", BLACK, "bold"))
     if answer.motion is not None and answer.motion.get("reading"):
         prefix = "beyond it: " if (record.get("capability") or {}).get("beyond") else ""
         out.append(Words(prefix + answer.motion["reading"]))

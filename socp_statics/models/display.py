@@ -18,6 +18,7 @@ QUESTIONS = {
     "minimax_wrench": ("minimise", "s", "the largest measure"),
     "capability": ("maximise", "w", "the load: a payload (its weight) or a push"),
     "torque_feasibility": ("minimise", "s", "the worst share of a torque limit; feasible exactly where s <= 1"),
+    "posture_optimization": ("maximise", "t", "the margin over forces and postures; here at the given posture, then step by step"),
 }
 OBJECTIVES = {
     "least_squares": ("sum_i |f_i|^2", "points and handles"),
@@ -54,10 +55,12 @@ def describe(model: str, stance: Stance, parameters: Mapping[str, Any]) -> str:
     reach = wrench_range(data.wrench_map)
     shape = force_shape(data, cone, parameters["form"], reach.rank)
     verb, objective, meaning = _question(model, parameters)
-    reserve = model == "equilibrium"
+    moving = model == "posture_optimization"
+    easing = moving and parameters["objective"] == "torque"
+    reserve = model == "equilibrium" or (moving and not easing)
     rows = [_balance(model, shape, data), *_cone_rows(shape, data, cone, reserve), *_other_rows(shape, data, reserve)]
     if data.torques.limited:
-        share = "s " if model == "torque_feasibility" else ""
+        share = "s " if model == "torque_feasibility" or easing else ""
         joints = int(np.isfinite(data.torques.limits).any(axis=1).sum())
         pushed = " - w J_P' d" if model == "capability" else ""
         rows.append((f"{share}lower_j <= tau_j = (g_theta - J' F{pushed})_j <= {share}upper_j", f"{joints} joints with torque limits"))
@@ -65,6 +68,8 @@ def describe(model: str, stance: Stance, parameters: Mapping[str, Any]) -> str:
         rows.append(("w >= 0", LOADS["payload" if "payload" in parameters else "push"]))
     if model == "minimax_wrench":
         rows.append((MEASURES[parameters["measure"]], f"every {parameters['level']} g"))
+    if moving:
+        rows.append(("contacts(q) = given, lower <= theta <= upper", _movable(stance, parameters)))
     width = max(len(left) for left, _ in [(objective, ""), *rows]) + 3
     lines = [f"{verb:<12}{objective:<{width}}{meaning}"]
     for i, (left, right) in enumerate(rows):
@@ -81,10 +86,18 @@ def describe(model: str, stance: Stance, parameters: Mapping[str, Any]) -> str:
 
 
 def _question(model: str, parameters: Mapping[str, Any]) -> tuple[str, str, str]:
+    if model == "posture_optimization" and parameters["objective"] == "torque":
+        return ("minimise", "s", "the worst share of a torque limit, over forces and postures")
     if model != "contact_forces":
         return QUESTIONS[model]
     objective, meaning = OBJECTIVES[parameters["objective"]]
     return "minimise", objective, meaning
+
+
+def _movable(stance: Stance, parameters: Mapping[str, Any]) -> str:
+    joints = len(stance.posture.robot.joints)
+    sliding = f"; free to slide in their planes: {', '.join(parameters['slide'])}" if parameters["slide"] else ""
+    return f"base and {joints} joints{sliding}"
 
 
 def _balance(model: str, shape: ForceShape, data: StaticsData) -> tuple[str, str]:

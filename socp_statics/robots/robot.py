@@ -289,6 +289,21 @@ class Robot:
             q[at], q[at + 1] = np.cos(turned), np.sin(turned)
         return q
 
+    def joint_angles(self, q: Array) -> Array:
+        """The joint angles of a configuration vector, the inverse of `configuration`.
+
+        Args:
+            q: Configuration of the Pinocchio model, shape (nq,).
+
+        Returns:
+            Shape (n,) [rad]; of a continuous joint between -pi and pi.
+        """
+        angles = np.asarray(q, dtype=float)[self._idx_q]
+        if len(self._turning):
+            at = self._idx_q[self._turning]
+            angles[self._turning] = np.arctan2(q[at + 1], q[at])
+        return angles
+
 
 def _without_limit(ends: Array) -> Array:
     """The limits with Pinocchio's largest number read as infinity."""

@@ -4,3 +4,5 @@ from socp_statics.stability.equilibrium import EquilibriumAnswer as EquilibriumA
 from socp_statics.stability.equilibrium import check_equilibrium as check_equilibrium
 from socp_statics.stability.many import EquilibriumAnswers as EquilibriumAnswers
 from socp_statics.stability.many import check_equilibrium_many as check_equilibrium_many
+from socp_statics.stability.margin_gradient import MarginGradient as MarginGradient
+from socp_statics.stability.margin_gradient import margin_gradient as margin_gradient

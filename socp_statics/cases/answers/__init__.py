@@ -18,3 +18,8 @@ ANSWERS.add(
     f"{_HERE}.torque_feasibility:ANSWER",
 )
 ANSWERS.add("capability", "the largest payload or push that contacts and motors allow", f"{_HERE}.capability:ANSWER")
+ANSWERS.add(
+    "posture_optimization",
+    "a better posture on the same contacts: largest margin, CoM margin, or least worst share of the torque limits",
+    f"{_HERE}.posture_optimization:ANSWER",
+)

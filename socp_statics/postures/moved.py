@@ -1,0 +1,113 @@
+"""Postures anywhere: a whole configuration, base included, and small motions of one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from socp_statics.contacts import ContactSet
+from socp_statics.contacts.contact import Contact
+from socp_statics.contacts.numbers import vector
+from socp_statics.exceptions import InputError
+from socp_statics.postures.posture import Posture, moved_jacobian
+from socp_statics.robots import Robot
+from socp_statics.spatial import Array, skew
+
+
+def moved_posture(posture: Posture, motion: ArrayLike) -> Posture:
+    """The posture after a motion of its configuration; its contact frames ride on their links.
+
+    Args:
+        posture: The posture.
+        motion: Tangent vector of the configuration: linear and angular displacement of the base in its own axes, then the joints, shape
+            (nv,) [m, rad].
+
+    Returns:
+        The posture at ``q (+) motion``, with its contacts wherever that puts them.
+
+    Raises:
+        InputError: Not nv finite numbers.
+    """
+    robot = posture.robot
+    step = vector(robot.name, "motion", motion, robot.pin_model.nv, kind="robot")
+    return posture_on(robot, moved_configuration(robot, posture.q, step), posture.contacts)
+
+
+def moved_configuration(robot: Robot, q: Array, motion: Array) -> Array:
+    """``q (+) motion``, shape (nq,)."""
+    import pinocchio
+
+    return np.array(pinocchio.integrate(robot.pin_model, q, motion))
+
+
+def posture_on(robot: Robot, q: Array, contacts: Iterable[Contact], placed: Mapping[str, Contact] | None = None) -> Posture:
+    """The posture of a whole configuration on given contacts.
+
+    Args:
+        robot: The robot.
+        q: Pinocchio configuration, shape (nq,).
+        contacts: Contacts of the robot that touch; each keeps its friction and goes where its link is.
+        placed: Contacts that stay as they are instead: the environment decides where they are, and the kinematics agree.
+
+    Returns:
+        The posture.
+    """
+    import pinocchio
+
+    model = robot.pin_model
+    data = model.createData()
+    pinocchio.computeJointJacobians(model, data, q)
+    com_jacobian = pinocchio.jacobianCenterOfMass(model, data, q)[:, 6:]
+    touching, jacobian = [], {}
+    for contact in contacts:
+        frame = robot.contact_frame(contact.name)
+        index = robot.frame_id(frame.frame, frame.name)
+        F = pinocchio.updateFramePlacement(model, data, index)
+        J = pinocchio.getFrameJacobian(model, data, index, pinocchio.LOCAL_WORLD_ALIGNED)[:, 6:]
+        jacobian[contact.name] = moved_jacobian(J, F.rotation @ frame.position)
+        given = (placed or {}).get(contact.name)
+        touching.append(frame.contact(F.rotation, F.translation, contact.friction) if given is None else given)
+    base = data.oMi[1]
+    arrays = {"q": np.array(q), "angles": robot.joint_angles(q), "com_W": data.com[0].copy(), "com_jacobian": com_jacobian.copy(),
+              "p_WB": base.translation.copy(), "R_WB": base.rotation.copy()}  # fmt: skip
+    for array in (*arrays.values(), *jacobian.values()):
+        array.setflags(write=False)
+    return Posture(robot=robot, contacts=ContactSet(touching), jacobian=jacobian, **arrays)
+
+
+def whole_jacobian(posture: Posture, point_W: Array, jacobian: Array) -> Array:
+    """A Jacobian with the base fixed, extended by the base: velocity of a point due to the tangent vector of the configuration.
+
+    Args:
+        posture: The posture.
+        point_W: The point, world axes, shape (3,) [m].
+        jacobian: Velocity due to joint rates with the base fixed, ``[linear]`` or ``[linear; angular]``, shape (3 or 6, n).
+
+    Returns:
+        Shape (3 or 6, nv).
+    """
+    R = posture.R_WB
+    base = np.zeros((6, 6))
+    base[:3, :3] = base[3:, 3:] = R
+    base[:3, 3:] = -skew(np.asarray(point_W) - posture.p_WB) @ R
+    return np.hstack([base[: len(jacobian)], jacobian])
+
+
+def contact_jacobians(posture: Posture) -> dict[str, Array]:
+    """Velocity ``[linear; angular]`` of each contact frame due to the tangent vector of the configuration, world axes, shapes (6, nv)."""
+    return {c.name: whole_jacobian(posture, c.position, posture.jacobian[c.name]) for c in posture.contacts}
+
+
+def require_derivatives(robot: Robot) -> None:
+    """Refuse robots whose derivatives Pinocchio does not know.
+
+    Raises:
+        InputError: A joint mimics another; the sentence names it.
+    """
+    model = robot.pin_model
+    mimics = [model.names[i] for i in range(2, model.njoints) if "Mimic" in model.joints[i].shortname()]
+    if mimics:
+        message = f"robot '{robot.name}': joint '{mimics[0]}' mimics another, and gradients need joints that move on their own"
+        raise InputError(message, name=mimics[0], field="robot")
