@@ -14,6 +14,7 @@ from socp_statics.engines import compiled_first, engines_for
 from socp_statics.engines.threads import checked_threads, in_chunks
 from socp_statics.exceptions import EngineError, InputError
 from socp_statics.regions.directions import com_plane
+from socp_statics.regions.limited_tracing import trace_limited
 from socp_statics.regions.question import RegionQuestion, region_question
 from socp_statics.regions.support_region import SupportRegion
 from socp_statics.regions.tracer import ON_EDGE, Tracer
@@ -65,8 +66,8 @@ def trace_support_region(
     choice = cone_choice(cone, sides, heading)
     question = region_question(contacts, height, mass, gravity, external_wrenches, torque_limits)
     _checked_tolerance(tolerance)
-    if compiled_first(engine, form) and question.compiled:
-        (region,) = _by_the_kernel([question], choice, tolerance)
+    if compiled_first(engine, form):
+        (region,) = _compiled([question], choice, tolerance)
         if region is not None:
             return region
     return _one_by_one(question, choice, form, engine, tolerance)
@@ -117,11 +118,12 @@ def trace_support_regions(
     _checked_tolerance(tolerance)
     checked_threads(threads)
     questions = [region_question(one, height, mass, gravity, external_wrenches, torque_limits) for one in sets]
-    mine = [i for i, q in enumerate(questions) if compiled_first(engine, form) and q.compiled]
     regions: list[SupportRegion | None] = [None] * len(questions)
-    found = in_chunks(lambda part: _by_the_kernel([questions[i] for i in part], choice, tolerance), mine, CHUNK, threads)
-    for i, region in zip(mine, found, strict=True):
-        regions[i] = region
+    for free, chunk in ((True, CHUNK), (False, 1)) if compiled_first(engine, form) else ():
+        mine = [i for i, q in enumerate(questions) if q.compiled == free]
+        found = in_chunks(lambda part: _compiled([questions[i] for i in part], choice, tolerance), mine, chunk, threads)
+        for i, region in zip(mine, found, strict=True):
+            regions[i] = region
     return [_one_by_one(q, choice, form, engine, tolerance) if r is None else r for q, r in zip(questions, regions, strict=True)]
 
 
@@ -130,11 +132,19 @@ def _checked_tolerance(tolerance: float) -> None:
         raise InputError(f"tolerance must be between 0 and 1, got {tolerance!r}", name="tolerance", field="tolerance")
 
 
+def _compiled(questions: Sequence[RegionQuestion], cone: ConeChoice, tolerance: float) -> list[SupportRegion | None]:
+    """Regions by the compiled tracer of their kind, which is the same for all; None where it leaves the question to the others."""
+    if questions[0].compiled:
+        return _by_the_kernel(questions, cone, tolerance)
+    return [trace_limited(question, cone, tolerance) for question in questions]
+
+
 @cache
 def _kernel() -> tuple[Any, Any, Any, int]:
     """The compiled tracer and what goes with it, imported when it is first used."""
     from socp_statics.engines.kernel.pyramids import cone_rows
-    from socp_statics.engines.kernel.tracing import POLYGON, most_directions, trace
+    from socp_statics.engines.kernel.refinement import POLYGON, most_directions
+    from socp_statics.engines.kernel.tracing import trace
 
     return trace, cone_rows, most_directions, POLYGON
 

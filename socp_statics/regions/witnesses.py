@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from socp_statics.cones.choice import ConeChoice
 from socp_statics.contacts import Stance
@@ -75,3 +76,34 @@ class TracedWitnesses:
     def motions(self) -> tuple[tuple[Array, Array], ...]:
         """(linear, angular) about the mean contact point for each outer edge [m/s, rad/s]."""
         return tuple(self.data.units.twist_in_si(t) for t in np.asarray(self._motions))
+
+
+class LimitedWitnesses:
+    """Of the compiled tracer of stances with limits.
+
+    Args:
+        data: The arrays of the stance.
+        unknowns: Forces at each inner corner, shape (k, nx).
+        multipliers: Of each outer edge: velocity (3), rate of turning about the direction of gravity, rates of the limited joints, of
+            bounded contacts; at the end, unit normal (2) and offset. Scaled.
+        lift: The two rates of turning that a unit normal asks for, shape (2, 3), then the direction of gravity.
+        joints: Indices of the limited joints.
+    """
+
+    def __init__(self, data: StaticsData, unknowns: Array, multipliers: Array, lift: Array, joints: NDArray[np.int_]):
+        self.data, self._unknowns, self._multipliers, self._lift, self._joints = data, unknowns, multipliers, lift, joints
+
+    def forces(self) -> tuple[PointForces, ...]:
+        """Balancing forces for each inner corner."""
+        return tuple(point_forces(self.data, x) for x in self._unknowns)
+
+    def motions(self) -> tuple[tuple[Array, Array], ...]:
+        """(linear, angular) about the mean contact point for each outer edge [m/s, rad/s]."""
+        turning = self._multipliers[:, -3:-1] @ self._lift[:2] + self._multipliers[:, 3:4] * self._lift[2]
+        return tuple(self.data.units.twist_in_si(t) for t in np.hstack([self._multipliers[:, :3], turning]))
+
+    def joint_rates(self) -> Array:
+        """Rates of all joints in the motion of each outer edge, zero where a joint has no limit, shape (l, n) [rad/s]."""
+        rates = np.zeros((len(self._multipliers), len(self.data.torques.names)))
+        rates[:, self._joints] = self._multipliers[:, 4 : 4 + len(self._joints)] / self.data.units.length
+        return rates

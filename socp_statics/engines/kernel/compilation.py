@@ -98,6 +98,7 @@ class Entry:
         self._options = options
         self._source = _folder(function)
         self._call: Callable[..., Any] = self._first
+        self._address: int | None = None
         self.__name__ = function.__name__
         self.__qualname__ = function.__qualname__
         self.__module__ = function.__module__
@@ -124,6 +125,19 @@ class Entry:
             if self._call == self._first:
                 self._call = self._compiled()
             return self._call
+
+    def address(self) -> int:
+        """Where the compiled function is, for other entries to call it by (`by_address`); compiles or loads it if need be.
+
+        Returns:
+            The address; 0 where nothing is compiled.
+        """
+        if numba.config.DISABLE_JIT:
+            return 0
+        if self._address is None:
+            (one,) = self.load().overloads.values()  # type: ignore[attr-defined]
+            self._address = int(one.library.get_pointer_to_function(one.fndesc.llvm_cfunc_wrapper_name))
+        return self._address
 
     def _compiled(self) -> Callable[..., Any]:
         dispatcher = numba.njit(**self._options)(self.py_func)

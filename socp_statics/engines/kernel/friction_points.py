@@ -55,6 +55,24 @@ def unit_wrench(points, k, c, centre, size):
 
 
 @inner
+def eliminated(gram):
+    """Whether a Gram matrix (lower triangle, overwritten by its factors), shape (6, 6), has full rank beyond doubt."""
+    for j in range(6):
+        pivot = gram[j, j]
+        for i in range(j):
+            pivot -= gram[j, i] * gram[j, i] * gram[i, i]
+        if not pivot > FULL_RANK:
+            return False
+        gram[j, j] = pivot
+        for i in range(j + 1, 6):
+            value = gram[i, j]
+            for m in range(j):
+                value -= gram[i, m] * gram[j, m] * gram[m, m]
+            gram[i, j] = value / pivot
+    return True
+
+
+@inner
 def full_rank(points, centre, size, gram):
     """Whether the forces of the points reach every wrench, beyond doubt.
 
@@ -79,19 +97,7 @@ def full_rank(points, centre, size, gram):
             for i in range(6):
                 for j in range(i + 1):
                     gram[i, j] += wrench[i] * wrench[j]
-    for j in range(6):
-        pivot = gram[j, j]
-        for i in range(j):
-            pivot -= gram[j, i] * gram[j, i] * gram[i, i]
-        if not pivot > FULL_RANK:
-            return False
-        gram[j, j] = pivot
-        for i in range(j + 1, 6):
-            value = gram[i, j]
-            for m in range(j):
-                value -= gram[i, m] * gram[j, m] * gram[m, m]
-            gram[i, j] = value / pivot
-    return True
+    return eliminated(gram)
 
 
 @inner

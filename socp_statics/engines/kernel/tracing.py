@@ -1,16 +1,10 @@
-"""Whole support regions of points with friction in compiled code: preparation, directions, refinement, polygons.
-
-The next direction is the normal of the edge with the largest uncertain triangle (Bretl and Lall 2008).
-"""
+"""Whole support regions of points with friction in compiled code: preparation, directions, refinement, polygons."""
 
 from __future__ import annotations
-
-import math
 
 import numpy as np
 
 from socp_statics.engines.kernel.active_set import EQUATION
-from socp_statics.engines.kernel.com_distance import MOST_REFINEMENTS, OUTSIDE, nearest_edge, thin_enough
 from socp_statics.engines.kernel.compilation import entry, inner
 from socp_statics.engines.kernel.contact_vertices import carrying_points, contact_vertex
 from socp_statics.engines.kernel.continuation import continued
@@ -18,82 +12,33 @@ from socp_statics.engines.kernel.five_unknowns import INFEASIBLE, SOLVED, UNBOUN
 from socp_statics.engines.kernel.friction_points import centre_and_size, full_rank, prepare_support, scaled_load, set_direction
 from socp_statics.engines.kernel.lanes import buffer_size, padded
 from socp_statics.engines.kernel.normal_matrix import factor, with_pad
-from socp_statics.engines.kernel.ring import (
-    ROUNDING,
-    between,
-    inner_corners,
-    measure,
-    outer_polygon,
-    parallel,
-    ring_order,
-    triangle,
-    width,
+from socp_statics.engines.kernel.refinement import (
+    AFTER,
+    ASK,
+    BROKEN,
+    EMPTY,
+    ENDLESS,
+    FRONT,
+    INNER,
+    KEEP,
+    MARGIN,
+    POLYGON,
+    RANK,
+    USED,
+    begin_front,
+    grown,
+    insert,
+    next_direction,
+    polygons,
 )
 from socp_statics.engines.kernel.starting_point import normal_matrix_of_rows
-from socp_statics.engines.kernel.supports import AREA, BOUND, CX, CY, DX, DY, NODE, support
-
-POLYGON, EMPTY, ENDLESS, RANK, THIN, MANY, BROKEN = range(7)
-# Below this area a region may be a sliver; below this width it is none of this tracer's business.
-SLIVER = 1e-7
-# Attained points nearer than this to the chord of their neighbours are no corners: the accuracy of the method.
-CORNER = 1e-9
-
-
-def most_directions(tolerance: float) -> int:
-    """How many directions a region may take: a few times what a disc needs, pi over the root of the tolerance."""
-    return 64 + int(12.0 / math.sqrt(tolerance))
+from socp_statics.engines.kernel.supports import BOUND, CX, CY, DX, DY, NODE, support
 
 
 @inner
 def _why(status):
     """What a support direction that was not solved says about the region."""
     return ENDLESS if status == INFEASIBLE else EMPTY if status == UNBOUNDED else BROKEN
-
-
-@inner
-def widest_edge(nodes, after, order, count, inner_area):
-    """The edge with the largest uncertain triangle.
-
-    Returns:
-        POLYGON, or why there is no direction to ask; the support before the edge; and the edge's normal.
-    """
-    i = 0
-    for k in range(1, count):
-        if nodes[k, AREA] > nodes[i, AREA]:
-            i = k
-    j = after[i]
-    ex, ey = nodes[j, CX] - nodes[i, CX], nodes[j, CY] - nodes[i, CY]
-    length = math.hypot(ex, ey)
-    if inner_area < SLIVER and width(nodes, order, ring_order(after, order)) < SLIVER:
-        return THIN, i, 0.0, 0.0
-    if length == 0.0:
-        return BROKEN, i, 0.0, 0.0
-    dx, dy = ey / length, -ex / length
-    if not between(nodes, i, dx, dy, j) or parallel(nodes, i, dx, dy) or parallel(nodes, j, dx, dy):
-        return BROKEN, i, 0.0, 0.0
-    return POLYGON, i, dx, dy
-
-
-@inner
-def aimed(area):
-    """The uncertain area to reach, for at most ``area`` after the points that are no corners were left out."""
-    return area - min(4.0 * CORNER, 0.5 * area)
-
-
-@inner
-def sector(nodes, after, dx, dy):
-    """The support before a direction."""
-    # Rounding may put a direction that repeats another outside of both its sectors: the one it misses least is meant.
-    i, best, chosen = 0, -math.inf, 0
-    while True:
-        j = after[i]
-        ahead = nodes[i, DX] * dx + nodes[i, DY] * dy + nodes[j, DX] * dx + nodes[j, DY] * dy > 0.0
-        inside = min(nodes[i, DX] * dy - nodes[i, DY] * dx, dx * nodes[j, DY] - dy * nodes[j, DX])
-        if ahead and inside > best:
-            best, chosen = inside, i
-        i = j
-        if i == 0:
-            return chosen
 
 
 @inner
@@ -105,7 +50,7 @@ def trace_one(points, load13, tolerance, X, ints, states, nodes, motions, forces
         load13: See `trace`.
         tolerance: Of (outer area - inner area) / outer area.
         X: Buffer of the cones.
-        ints: Rows of indices: ring, order, known, carrying, corners.
+        ints: Rows of indices: those of `refinement`, then known, carrying.
         states: What each contact does at each support, where that is known, shape (most, n).
         nodes: Written: supports, shape (most, 8).
         motions: Written: their motions, shape (most, 5).
@@ -117,8 +62,8 @@ def trace_one(points, load13, tolerance, X, ints, states, nodes, motions, forces
     Returns:
         What it is, number of supports, inner area, CoM margin and size.
     """
-    cones, most = points.shape[0], nodes.shape[0]
-    after, order, known, carrying, keep = ints[0], ints[1], ints[2], ints[3], ints[4]
+    cones = points.shape[0]
+    after, known, carrying = ints[AFTER], ints[4], ints[5]
     centre, lift, load, pull, q, reference = small[0], small[1:4], small[4], small[5], small[6], small[7]
     gram = small[9:15]
     size = centre_and_size(points, centre)
@@ -133,29 +78,12 @@ def trace_one(points, load13, tolerance, X, ints, states, nodes, motions, forces
     if not pushed:
         carriers = carrying_points(X, points, load, reference, carrying, alone)
     x, y = (load13[11] - centre[0]) / size, (load13[12] - centre[1]) / size
-    asked_margin, refined, found = x == x, 0, False
-    margin, edge = math.inf, OUTSIDE
-    count, i, inner_area, uncertain = 0, 0, 0.0, 0.0
-    # The four axes first, then the edge with the largest uncertain triangle, at last the edge nearest to the centre of mass.
+    front = np.empty(FRONT)
+    count = begin_front(front)
     while True:
-        if count < 4:
-            dx, dy = (1.0 - count) * (1 - count % 2), (2.0 - count) * (count % 2)
-        elif refined == 0 and uncertain > aimed(tolerance * (max(inner_area, 0.0) + uncertain)):
-            kind, i, dx, dy = widest_edge(nodes, after, order, count, inner_area)
-            if kind != POLYGON:
-                return kind, count, 0.0, 0.0, size
-        elif asked_margin and not found and refined < MOST_REFINEMENTS:
-            ring = ring_order(after, order)
-            corners = inner_corners(nodes, order, ring, CORNER, keep)
-            found, margin, edge, dx, dy = nearest_edge(nodes, order, ring, keep, corners, x, y)
-            refined += 1
-            if found:
-                break
-            i = sector(nodes, after, dx, dy)
-        else:
-            break
-        if count >= most:
-            return MANY, count, 0.0, 0.0, size
+        kind, i, dx, dy = next_direction(front, nodes, ints, count, tolerance, x, y)
+        if kind != ASK:
+            return kind, count, front[INNER], front[MARGIN] * size, size
         node, motion, held = nodes[count], motions[count], forces[count]
         known[count] = 0
         if not contact_vertex(X, points, centre, size, lift, carrying, alone, carriers, dx, dy, node, motion, held):
@@ -171,46 +99,8 @@ def trace_one(points, load13, tolerance, X, ints, states, nodes, motions, forces
                 )
                 if status != SOLVED:
                     return _why(status), count + 1, 0.0, 0.0, size
-        if count < 3:
-            after[count] = count + 1
-        elif count == 3:
-            after[3] = 0
-            inner_area = triangle(nodes, 0, 1, 2) + triangle(nodes, 0, 2, 3)
-            for k in range(4):
-                measure(nodes, after, k)
-                uncertain += nodes[k, AREA]
-        else:
-            uncertain -= nodes[i, AREA]
-            inner_area += triangle(nodes, i, count, after[i])
-            after[count], after[i] = after[i], count
-            measure(nodes, after, i)
-            measure(nodes, after, count)
-            uncertain += nodes[i, AREA] + nodes[count, AREA]
-            found = refined > 0 and edge != OUTSIDE and thin_enough(nodes, edge, count, margin)
+        insert(front, nodes, ints, count, i)
         count += 1
-    return POLYGON, count, inner_area, margin * size, size
-
-
-@inner
-def area_of(nodes, order, count, x, y):
-    """Area of a polygon of some rows and two columns of an array."""
-    total = 0.0
-    for k in range(count):
-        i, j = order[k], order[(k + 1) % count]
-        total += 0.5 * (nodes[i, x] * nodes[j, y] - nodes[i, y] * nodes[j, x])
-    return total
-
-
-@inner
-def grown(old, used, more):
-    """An array of rows with room for more: itself, or a copy twice as long."""
-    if used + more <= old.shape[0]:
-        return old
-    new = np.empty((max(2 * old.shape[0], used + more), old.shape[1]))
-    for i in range(used):
-        for j in range(old.shape[1]):
-            new[i, j] = old[i, j]
-    return new
 
 
 @entry(
@@ -240,7 +130,7 @@ def trace(points, starts, loads, tolerance, most):
         widest = max(widest, starts[b + 1] - starts[b])
     X = np.empty(buffer_size(widest))
     # A row a support: a trace that asks few directions touches little memory.
-    ints, states = np.empty((5, max(most, widest)), np.int64), np.empty((most, widest), np.int64)
+    ints, states = np.empty((6, max(most, widest)), np.int64), np.empty((most, widest), np.int64)
     nodes, motions, alone, small = np.empty((most, NODE)), np.empty((most, 5)), np.empty((widest, 5)), np.empty((15, 6))
     equations = np.empty((3 * widest, EQUATION))
     store, corners = np.empty((most, 3 * widest)), np.empty((most, 2))
@@ -248,7 +138,7 @@ def trace(points, starts, loads, tolerance, most):
     inner_xy, outer_xy, moving = np.empty((16 * batch, 2)), np.empty((16 * batch, 2)), np.empty((16 * batch, 9))
     held = np.empty((16 * batch * widest, 3))
     inners = outers = rows = 0
-    order, keep, used = ints[1], ints[2], ints[4]
+    keep, used = ints[KEEP], ints[USED]
     for b in range(batch):
         mine = points[starts[b] : starts[b + 1]]
         cones = mine.shape[0]
@@ -258,18 +148,10 @@ def trace(points, starts, loads, tolerance, most):
         k = m = 0
         gap, area, outer_area = 1.0, 0.0, 0.0
         if kind == POLYGON:
-            ring = ring_order(ints[0], order)
-            k = inner_corners(nodes, order, ring, CORNER, keep)
-            m = outer_polygon(nodes, order, ring, ROUNDING * min(1.0, inner_area), used, corners)
-            if m == 0 or k < 3:
-                kind, k, m = BROKEN, 0, 0
+            kind, k, m, gap, area, outer_area = polygons(nodes, ints, inner_area, corners)
         if kind == POLYGON:
             inner_xy, held = grown(inner_xy, inners, k), grown(held, rows, k * cones)
             outer_xy, moving = grown(outer_xy, outers, m), grown(moving, outers, m)
-            for e in range(m):
-                order[e] = e
-            outer_area, area = area_of(corners, order, m, 0, 1), area_of(nodes, keep, k, CX, CY)
-            gap = max(0.0, (outer_area - area) / outer_area)
             for a in range(k):
                 i = keep[a]
                 inner_xy[inners + a, 0], inner_xy[inners + a, 1] = small[0, 0] + size * nodes[i, CX], small[0, 1] + size * nodes[i, CY]
