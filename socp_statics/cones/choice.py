@@ -105,7 +105,12 @@ def cone_choice(cone: str | ConeChoice, sides: int | None = None, heading: float
     Raises:
         InputError: An unknown kind, or a wrong ``sides`` or ``heading``.
     """
-    return cone if isinstance(cone, ConeChoice) else ConeChoice(cone, sides, heading)
+    if isinstance(cone, ConeChoice):
+        return cone
+    return EXACT if cone == "exact" and sides is None and heading is None else ConeChoice(cone, sides, heading)
+
+
+EXACT = ConeChoice()
 
 
 def _whole_sides(sides: object) -> int:

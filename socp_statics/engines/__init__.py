@@ -61,4 +61,4 @@ def engines_for(engine: str | Sequence[str], form: str = "socp") -> tuple[Engine
 
 def compiled_first(engine: str | Sequence[str], form: str) -> bool:
     """Whether the kernel's compiled programs are to be tried before any other way."""
-    return form == "socp" and engine_names(engine)[0] == "kernel"
+    return form == "socp" and (engine in ("auto", "kernel") or engine_names(engine)[0] == "kernel")
