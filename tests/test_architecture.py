@@ -42,6 +42,7 @@ HOMES = {
     "clarabel": {"engines"},
     "numba": {"engines"},
     "pinocchio": {"robots", "postures", "statics", "distribution", "viewer"},
+    "pink": {"postures"},
     "cdd": {"wrench_cones"},
     "matplotlib": {"figures"},
     "viser": {"viewer"},

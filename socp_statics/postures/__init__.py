@@ -1,7 +1,9 @@
 """Postures: robots whose kinematics are done, and the generators that make them, one a file."""
 
+from socp_statics.postures.inverse_kinematics import reach as reach
 from socp_statics.postures.posture import Posture as Posture
 from socp_statics.postures.posture import pose as pose
+from socp_statics.postures.posture import posture_at as posture_at
 from socp_statics.registry import Registry
 
 GENERATORS = Registry("posture generator", group="socp_statics.postures")

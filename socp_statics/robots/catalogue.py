@@ -49,5 +49,10 @@ def hoap2() -> Robot:
         "joint ranges of github.com/cyberbotics/webots (Hoap2.proto)",
         licence="BSD-2-Clause",
         torque_limits_real=False,
+        reference={
+            f"{letter}{joint}": angle
+            for letter in "LR"
+            for joint, angle in (("LEG_JOINT3", -0.4), ("LEG_JOINT4", 0.8), ("LEG_JOINT5", -0.4), ("ARM_JOINT1", 1.2), ("ARM_JOINT4", -0.8))
+        },
         torque_limits_note="9 N m on every joint is the uniform value of a simulation model, not a datasheet value",
     )

@@ -40,6 +40,7 @@ class Robot:
         lower: Least joint angles, shape (n,) [rad]; -inf for a continuous joint.
         upper: Largest joint angles, shape (n,) [rad].
         neutral: The zero pose, moved inside the joint limits, shape (n,) [rad].
+        reference: A posture with bent limbs from which inverse kinematics starts and to which it keeps near, shape (n,) [rad].
         torque_limits: Lower and upper joint torque of the model, shape (n, 2) [N m].
         placeholder_joints: Joints whose torque limits are not those of a motor: 0, the same 100 on every joint, 1000 and more, an interval
             without 0, or all joints where ``torque_limits_real=False`` was given.
@@ -66,6 +67,7 @@ class Robot:
         urdf_file: Path | None = None,
         torque_limits_real: bool = True,
         torque_limits_note: str = "",
+        reference: Mapping[str, float] | None = None,
     ):
         import pinocchio
 
@@ -83,6 +85,8 @@ class Robot:
         bodies = [f.name for f in pin_model.frames if f.type == pinocchio.FrameType.BODY and f.parentJoint == 1]
         self.base = bodies[0] if bodies else pin_model.names[1]
         self._content = content
+        self.reference = self.angles(reference or {})
+        self.reference.setflags(write=False)
         self._set_frames(frames)
 
     @classmethod
