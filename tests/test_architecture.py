@@ -43,6 +43,7 @@ HOMES = {
     "numba": {"engines"},
     "pinocchio": {"robots", "postures", "statics", "distribution", "viewer"},
     "pink": {"postures"},
+    "example_robot_data": {"robots"},
     "cdd": {"wrench_cones"},
     "matplotlib": {"figures"},
     "viser": {"viewer"},

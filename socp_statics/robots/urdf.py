@@ -72,7 +72,9 @@ def _pin_model(urdf: UrdfText) -> Any:
             raise
     model = _build(urdf, leaders)
     for leader in leaders:
-        model.names[model.getJointId(f"!{leader}")] = leader
+        # a fixed joint above a leader is a frame of the model and no joint
+        if model.existJointName(f"!{leader}"):
+            model.names[model.getJointId(f"!{leader}")] = leader
         model.frames[model.getFrameId(f"!{leader}")].name = leader
     return model
 
