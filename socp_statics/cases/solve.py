@@ -47,7 +47,7 @@ def solve(problem: Problem, engine: str | Sequence[str] = "auto") -> Record:
         keys = ANSWERS.load(problem.model).compute(problem, stance, engine)
     except InputError as error:
         raise InputError(f"{problem.label}: {_key_of(error, problem)}{error}", name=problem.label, field=error.field) from error
-    return _record(problem, stance, chosen, keys)
+    return _record(problem, keys.pop("stance", stance), chosen, keys)
 
 
 def first_engine(engine: str | Sequence[str]) -> str:
@@ -130,6 +130,8 @@ def _record(problem: Problem, stance: Stance, engine: str, keys: dict[str, Any])
     generated = {"contacts": [contact.statement() for contact in stance.contacts], "com": stance.com, "mass": stance.mass}
     if posture is not None:
         generated["angles"] = dict(zip(posture.robot.joints, posture.angles, strict=True))
+        if posture.loads:
+            generated["external_wrenches"] = [{"link": w.link, "force": w.force, "point": w.point} for w in posture.loads]
     entries = {
         "schema": SCHEMA,
         "problem": problem.name,

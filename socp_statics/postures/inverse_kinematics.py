@@ -22,7 +22,7 @@ EXACT = 1e-9
 POLISHED = 1e-13
 POLISHING_STEPS = 12
 ACCURACY = 1e-9
-ITERATIONS = 80
+ITERATIONS = 60
 AT_ITS_LIMIT = 1e-6
 SPREAD = 0.5
 
@@ -37,7 +37,7 @@ def reach(
     reference: Mapping[str, float] | ArrayLike | Posture | None = None,
     aligned: Sequence[str] = (),
     seed: int = 0,
-    restarts: int = 12,
+    restarts: int = 4,
 ) -> Posture:
     """The posture near a reference whose contacts are where they are asked to be, to 1e-9 m and rad, within the joint limits.
 
@@ -103,9 +103,9 @@ def _nearest(reaching: Reaching, start: Array) -> Array:
     from scipy.optimize import minimize
 
     found = minimize(
-        lambda x: (0.5 * float(x @ x), x.copy()),
+        lambda x: 0.5 * float(x @ x),
         start,
-        jac=True,
+        jac=lambda x: x,
         method="SLSQP",
         bounds=list(zip(reaching.lower, reaching.upper, strict=True)),
         constraints={"type": "eq", "fun": reaching.residual, "jac": reaching.jacobian},

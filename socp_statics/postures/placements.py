@@ -22,8 +22,8 @@ class Placement:
     Attributes:
         position: Origin of the contact frame, world axes, shape (3,) [m].
         rotation: ``R_WC`` of the contact, shape (3, 3); None where only the position is asked for.
-        fixed: How much of the orientation of the robot's contact frame has to be that of ``rotation``: ``"all"`` (surfaces, lines and
-            handles), ``"normal"``, or ``"nothing"``.
+        fixed: How much of the orientation of the robot's contact frame has to be that of ``rotation``: ``"all"`` (surfaces and
+            lines), ``"normal"``, or ``"nothing"``.
     """
 
     position: Array
@@ -66,7 +66,7 @@ def _placement(robot: Robot, name: str, given: Any, aligned: bool) -> Placement:
     if orientation is not None:
         as_matrix = np.ndim(orientation) == 2
         rotation = contact_rotation(name, orientation if as_matrix else None, None if as_matrix else orientation, None)
-    elif frame.at_a_point or frame.type == "handle":
+    elif frame.at_a_point:
         return Placement(position, None, "nothing")
     else:
         rotation = np.eye(3)

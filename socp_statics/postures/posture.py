@@ -37,6 +37,7 @@ class Posture:
         jacobian: For each contact, velocity of its frame due to joint rates with the base fixed, ``[linear; angular]`` at the
             contact's position, world axes: J_cB of full contacts, shape (6, n).
         com_jacobian: J_CB, velocity of the centre of mass due to joint rates with the base fixed, world axes, shape (3, n).
+        loads: Wrenches impressed on the robot by what it holds, in balance among themselves; every stance of the posture has them.
     """
 
     robot: Robot
@@ -48,6 +49,7 @@ class Posture:
     R_WB: Array
     jacobian: Mapping[str, Array]
     com_jacobian: Array
+    loads: tuple[ExternalWrench, ...] = ()
 
     @property
     def support(self) -> tuple[str, ...]:
@@ -134,7 +136,7 @@ class Posture:
         Raises:
             InputError: A wrench names an unknown link, or the torque limits are wrong.
         """
-        wrenches = tuple(as_external_wrench(w) for w in external_wrenches)
+        wrenches = (*self.loads, *(as_external_wrench(w) for w in external_wrenches))
         for wrench in wrenches:
             if wrench.link is not None:
                 self.robot.frame_id(wrench.link)

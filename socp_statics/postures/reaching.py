@@ -58,7 +58,7 @@ class Reaching:
     targets: tuple[Target, ...]
     lower: Array = field(init=False)
     upper: Array = field(init=False)
-    _at: Array | None = field(init=False, default=None, repr=False)
+    _at: bytes | None = field(init=False, default=None, repr=False)
     _known: tuple[Array, Array] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -87,9 +87,9 @@ class Reaching:
         return {target.name: float(part.max()) for target, part in zip(self.targets, parts, strict=True)}
 
     def _evaluate(self, x: Array) -> tuple[Array, Array]:
-        if self._at is None or not np.array_equal(x, self._at):
-            self._known = self._compute(x)
-            self._at = x.copy()
+        here = x.tobytes()
+        if here != self._at:
+            self._known, self._at = self._compute(x), here
         return self._known
 
     def _compute(self, x: Array) -> tuple[Array, Array]:

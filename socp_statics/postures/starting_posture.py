@@ -11,6 +11,8 @@ from socp_statics.postures.posture import posture_at
 from socp_statics.robots import Robot
 from socp_statics.spatial import Array
 
+UNTOLD = 1e-6
+
 
 def laid_over(robot: Robot, angles: Array, placements: Mapping[str, Placement]) -> Array:
     """The configuration with these joint angles whose contacts come nearest to their places, by least squares over contact points.
@@ -43,11 +45,11 @@ def laid_over(robot: Robot, angles: Array, placements: Mapping[str, Placement]) 
 
 
 def _turn(a: Array, b: Array) -> Array:
-    """The rotation that brings vectors nearest to others; about the vertical where they do not tell it all."""
-    from scipy.spatial.transform import Rotation
-
-    if min(np.linalg.matrix_rank(a, tol=1e-6), np.linalg.matrix_rank(b, tol=1e-6)) >= 2:
-        return Rotation.align_vectors(b, a)[0].as_matrix()
-    flat = np.array([1.0, 1.0, 0.0])
-    sine, cosine = np.cross(a * flat, b * flat)[:, 2].sum(), (a * b)[:, :2].sum()
-    return Rotation.from_rotvec([0.0, 0.0, np.arctan2(sine, cosine)]).as_matrix() if sine or cosine else np.eye(3)
+    """The rotation that brings vectors nearest to others (Kabsch); about the vertical where they do not tell it all."""
+    U, stretched, Vt = np.linalg.svd(b.T @ a)
+    if stretched[1] > UNTOLD * stretched[0] > 0.0:
+        return U @ np.diag([1.0, 1.0, np.sign(np.linalg.det(U @ Vt))]) @ Vt
+    x, y = (a * b)[:, :2].sum(), a[:, 0] @ b[:, 1] - a[:, 1] @ b[:, 0]
+    size = float(np.hypot(x, y))
+    c, s = (x / size, y / size) if size > 0.0 else (1.0, 0.0)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

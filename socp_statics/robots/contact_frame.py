@@ -91,8 +91,13 @@ class ContactFrame:
 
     @property
     def at_a_point(self) -> bool:
-        """Whether it touches at one point: what it touches then decides the normal, however the link is turned."""
-        return self._pattern.unilateral and len(self._pattern.points_C) == 1
+        """Whether it touches at one point or grips there: what it touches then decides the axes, however the link is turned."""
+        return len(self.points_C) == 1
+
+    @property
+    def points_C(self) -> Array:
+        """Contact points in the contact plane, shape (k, 2) [m]."""
+        return self._pattern.points_C
 
     def contact(self, R_WF: Array, p_WF: Array, friction: float | None = None, R_WC: Array | None = None) -> Contact:
         """The contact where the kinematics put its frame.

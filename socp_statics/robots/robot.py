@@ -198,6 +198,31 @@ class Robot:
         other._set_frames({**self.frames, **frames})
         return other
 
+    def with_masses(self, masses: Mapping[str, float]) -> Robot:
+        """The same robot with point masses at its contact frames, for example halves of an object in its hands.
+
+        Args:
+            masses: Contact name to mass >= 0 [kg].
+
+        Raises:
+            InputError: An unknown contact, or a mass that is not a finite number >= 0.
+        """
+        import pinocchio
+
+        model, content = self.pin_model.copy(), self._content
+        for contact, given in masses.items():
+            frame, mass = self.contact_frame(contact), scalar(contact, "mass", given, least=0.0)
+            carrier = model.frames[self.frame_id(frame.frame, contact)]
+            point = carrier.placement.act(np.array(frame.position))
+            model.appendBodyToJoint(carrier.parentJoint, pinocchio.Inertia(mass, point, np.zeros((3, 3))), pinocchio.SE3.Identity())
+            content += f"{contact} {mass!r}".encode()
+        other = object.__new__(Robot)
+        other.__dict__.update(self.__dict__)
+        other.pin_model, other._content = model, content
+        other.mass = float(pinocchio.computeTotalMass(model))
+        other._set_frames(self.frames)
+        return other
+
     def frame_id(self, frame: str, contact: str | None = None) -> int:
         """Index of a link, joint or other frame in ``pin_model.frames``; a link comes before a joint of the same name.
 

@@ -112,7 +112,8 @@ class Answer:
 
     Attributes:
         parameters: The class of its ``[parameters]``.
-        compute: ``(problem, stance, engine) -> dict`` of the model's record keys.
+        compute: ``(problem, stance, engine) -> dict`` of the model's record keys; an answer about many stances adds under
+            ``"stance"`` the one its forces and certificate belong to.
         record_keys: The keys its records can have, nested; a list holds what its entries hold, `BY_CONTACT` and
             `BY_JOINT` stand for names.
         follows_com: Whether `compute` asks about the stance it is given and nothing else, and fast enough to follow a centre of mass
