@@ -21,8 +21,9 @@ from socp_statics.spatial import Array
 EXACT = 1e-9
 POLISHED = 1e-13
 POLISHING_STEPS = 12
-ACCURACY = 1e-9
-ITERATIONS = 60
+ACCURACY = 1e-8
+ITERATIONS = 50
+APPROACH = 100
 AT_ITS_LIMIT = 1e-6
 SPREAD = 0.5
 
@@ -37,7 +38,7 @@ def reach(
     reference: Mapping[str, float] | ArrayLike | Posture | None = None,
     aligned: Sequence[str] = (),
     seed: int = 0,
-    restarts: int = 4,
+    restarts: int = 3,
 ) -> Posture:
     """The posture near a reference whose contacts are where they are asked to be, to 1e-9 m and rad, within the joint limits.
 
@@ -149,7 +150,7 @@ def _cannot_reach(reaching: Reaching, tried: Sequence[Array]) -> InputError:
 
     start = min(tried, key=lambda x: float(np.sum(reaching.residual(x) ** 2)))
     bounds = (reaching.lower - AT_ITS_LIMIT, reaching.upper + AT_ITS_LIMIT)
-    x = least_squares(reaching.residual, np.clip(start, reaching.lower, reaching.upper), reaching.jacobian, bounds).x
+    x = least_squares(reaching.residual, np.clip(start, reaching.lower, reaching.upper), reaching.jacobian, bounds, max_nfev=APPROACH).x
     misses, robot = reaching.misses(x), reaching.robot
     worst = max(misses, key=lambda name: misses[name])
     what = f"contact '{worst}'" if worst in robot.frames else {"com": "the centre of mass", "base": "the base"}[worst]

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from socp_statics.postures.placements import Placement
-from socp_statics.postures.posture import posture_at
+from socp_statics.postures.working_memory import working_memory
 from socp_statics.robots import Robot
 from socp_statics.spatial import Array
 
@@ -28,16 +28,18 @@ def laid_over(robot: Robot, angles: Array, placements: Mapping[str, Placement]) 
     Returns:
         Shape (nq,).
     """
+    import pinocchio
+
     soles = [name for name in placements if placements[name].fixed == "all"]
-    names = soles or list(placements)
-    here = posture_at(robot, robot.configuration(angles), names, {name: 0.0 for name in names})
+    model, data = robot.pin_model, working_memory(robot)
+    pinocchio.forwardKinematics(model, data, robot.configuration(angles))
     start, goal = [], []
-    for contact in here.contacts:
-        placement = placements[contact.name]
-        rotation = contact.rotation if placement.rotation is None else placement.rotation
-        points_C = contact.points_C if contact.name in soles else np.zeros((1, 2))
-        start.append(contact.position + points_C @ contact.rotation[:, :2].T)
-        goal.append(placement.position + points_C @ rotation[:, :2].T)
+    for name in soles or placements:
+        frame, placement = robot.frames[name], placements[name]
+        F = pinocchio.updateFramePlacement(model, data, robot.frame_id(frame.frame, name))
+        points_C = frame.points_C if soles else np.zeros((1, 2))
+        start.append(F.translation + (frame.position + points_C @ frame.rotation[:, :2].T) @ F.rotation.T)
+        goal.append(placement.position + (points_C @ placement.rotation[:, :2].T if placement.rotation is not None else 0.0))
     a, b = np.vstack(start), np.vstack(goal)
     middle_a, middle_b = a.mean(axis=0), b.mean(axis=0)
     turned = _turn(a - middle_a, b - middle_b)
