@@ -5,6 +5,7 @@ import importlib.util
 import numpy as np
 import pinocchio as pin
 import pytest
+from benchmarks.inverse_kinematics import survey
 from scipy.spatial.transform import Rotation
 
 import socp_statics as ss
@@ -199,3 +200,10 @@ class TestRefusals:
             ss.posture_at(hoap2, np.concatenate([q[:3], [0, 0, 0, 2], q[7:]]))
         with pytest.raises(InputError, match="q must be 32 numbers"):
             ss.posture_at(hoap2, q[:-1])
+
+
+@pytest.mark.parametrize("name", ["talos", "hyq"])
+def test_seeded_random_targets_are_reached(name):
+    found = survey(name, 8)
+    assert len(found.seconds) == 8 and not found.refused and found.worst <= 1e-9
+    assert found.line().startswith(name)

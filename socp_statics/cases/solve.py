@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import platform
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib import metadata
 from typing import Any
 
@@ -48,6 +48,17 @@ def solve(problem: Problem, engine: str | Sequence[str] = "auto") -> Record:
     except InputError as error:
         raise InputError(f"{problem.label}: {_key_of(error, problem)}{error}", name=problem.label, field=error.field) from error
     return _record(problem, keys.pop("stance", stance), chosen, keys)
+
+
+def shown_stance(problem: Problem, record: Mapping[str, Any]) -> Stance:
+    """The stance that the forces and the certificate of a record belong to, for example to draw them.
+
+    Args:
+        problem: A single problem.
+        record: Its record.
+    """
+    shown = ANSWERS.load(problem.model).shown
+    return problem.stance() if shown is None else shown(problem, record)
 
 
 def first_engine(engine: str | Sequence[str]) -> str:

@@ -74,7 +74,10 @@ def _state(robot: Robot, number: int, keys: Mapping[str, Any]) -> ContactState:
             raise InputError(message, name=str(contact), field="states")
     standing, places = home(robot), {}
     for contact in support:
-        robot.contact_frame(contact)
+        try:
+            robot.contact_frame(contact)
+        except InputError as error:
+            raise InputError(f"keyframes: {where}.support: {error}", name=str(contact), field="states") from error
         default = (
             standing.contacts[contact].position,
             contact_rotation(contact, None, FACING, None) if contact in hands_of(robot) else LEVEL,

@@ -22,7 +22,7 @@ def soft_start(reaching: Reaching) -> Array | None:
     Returns:
         A point of the tangent space within the joint limits, shape (6 + n,), or None without the extra ``ik``.
     """
-    if find_spec("pink") is None:
+    if any(find_spec(package) is None for package in ("pink", SOLVER)):
         return None
     import pink
     import pinocchio

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, Self
 
@@ -118,12 +118,14 @@ class Answer:
             `BY_JOINT` stand for names.
         follows_com: Whether `compute` asks about the stance it is given and nothing else, and fast enough to follow a centre of mass
             that somebody drags about.
+        shown: ``(problem, record) -> stance`` that the forces of a record belong to, where it is not that of the problem.
     """
 
     parameters: type[Parameters]
     compute: Callable[[Problem, Stance, str | Sequence[str]], dict[str, Any]]
     record_keys: dict[str, Any] = field(default_factory=lambda: RECORD_KEYS)
     follows_com: bool = False
+    shown: Callable[[Problem, Mapping[str, Any]], Stance] | None = None
 
 
 def contact_names(info: ValidationInfo) -> tuple[str, ...] | None:

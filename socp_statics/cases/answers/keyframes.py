@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from pydantic import Field
@@ -27,6 +27,12 @@ class KeyframesParameters(Parameters):
     steps: int = Field(10, ge=1, description="a whole number >= 1")
 
 
+def _frames(problem: Problem, posture: Posture) -> Keyframes:
+    from socp_statics.postures.contact_states import keyframes_of
+
+    return keyframes_of(posture.robot, *(problem.posture[key] for key in ("states", "friction", "at")))
+
+
 def _samples(frames: Keyframes, steps: int) -> Iterator[tuple[str, float, Posture]]:
     """What is looked at in turn: its name, its progress and its posture; both ends of a transition belong to it."""
     for number, state in enumerate(frames.states):
@@ -49,27 +55,39 @@ def answer(problem: Problem, stance: Stance, engine: str | Sequence[str]) -> dic
         InputError: The generator is not keyframes, or the way between two states cannot be reached.
     """
     # the answers are listed and problems validated without a solver: it is imported when one is solved
-    from socp_statics.postures.contact_states import keyframes_of
     from socp_statics.stability import check_equilibrium
 
     stated, posture = problem.posture, stance.posture
     if posture is None or stated["generator"] != "keyframes":
         raise InputError(f"model keyframes needs the generator keyframes, got {stated['generator']!r}", field="generator")
-    frames = keyframes_of(posture.robot, stated["states"], stated["friction"], stated["at"])
-    entries, worst = [], None
+    frames = _frames(problem, posture)
+    entries, found = [], []
     for where, progress, sample in _samples(frames, problem.parameters["steps"]):
         here = robot_stance(sample, stated, problem.parameters["torque_limits"])
-        found = check_equilibrium(here, cone=problem.cone, form=problem.parameters["form"], engine=engine)
-        reading = None if found.certificate is None else found.certificate.as_record().get("reading")
+        judged = check_equilibrium(here, cone=problem.cone, form=problem.parameters["form"], engine=engine)
+        reading = None if judged.certificate is None else judged.certificate.as_record().get("reading")
+        found.append((judged, here))
         entries.append(
-            {"where": where, "progress": progress, "support": list(sample.support), "verdict": found.verdict, "reason": found.reason,
-             "margin": found.margin, "reading": reading}
+            {"where": where, "progress": progress, "support": list(sample.support), "verdict": judged.verdict, "reason": judged.reason,
+             "margin": judged.margin, "reading": reading}
         )  # fmt: skip
-        if worst is None or (worst[1].verdict == "stable" and (found.verdict != "stable" or found.margin < worst[1].margin)):
-            worst = (here, found)
-    assert worst is not None
-    failure = next((entry for entry in entries if entry["verdict"] != "stable"), None)
-    return {**verdict_keys(worst[1], worst[0]), "keyframes": entries, "first_failure": failure, "stance": worst[0]}
+    worst = _worst(entries)
+    failure = entries[worst] if entries[worst]["verdict"] != "stable" else None
+    return {**verdict_keys(*found[worst]), "keyframes": entries, "first_failure": failure, "stance": found[worst][1]}
 
 
-ANSWER = Answer(KeyframesParameters, answer, RECORD_KEYS | {"keyframes": [KEYS], "first_failure": KEYS})
+def _worst(entries: Sequence[Mapping[str, Any]]) -> int:
+    """Number of the first failure, else of the least margin."""
+    failed = [number for number, entry in enumerate(entries) if entry["verdict"] != "stable"]
+    return failed[0] if failed else min(range(len(entries)), key=lambda number: float(entries[number]["margin"]))
+
+
+def shown(problem: Problem, record: Mapping[str, Any]) -> Stance:
+    """The stance of the posture that the forces of the record belong to."""
+    assert problem.robot_posture is not None
+    frames = _frames(problem, problem.robot_posture)
+    samples = list(_samples(frames, problem.parameters["steps"]))
+    return robot_stance(samples[_worst(record["keyframes"])][2], problem.posture, problem.parameters["torque_limits"])
+
+
+ANSWER = Answer(KeyframesParameters, answer, RECORD_KEYS | {"keyframes": [KEYS], "first_failure": KEYS}, shown)
