@@ -108,7 +108,8 @@ def test_every_verb_of_the_table_exists_and_no_other_is_listed(capsys):
 def test_the_files_it_names_exist():
     for name in re.findall(r"`((?:socp_statics|tests|problems)/[\w/.]*)`", README):
         assert (ROOT / name).exists(), name
-    assert all((ROOT / "tests/benchmarks" / name).exists() for name in ("kernel.py", "support_direction.py", "postures.py", "inverse_kinematics.py"))
+    programs = ("kernel.py", "support_direction.py", "postures.py", "inverse_kinematics.py")
+    assert all((ROOT / "tests/benchmarks" / name).exists() for name in programs)
 
 
 @pytest.mark.parametrize("arguments", [["--help"], ["--version"], ["list", "models"]])
