@@ -111,6 +111,19 @@ class TestTheProgram:
                     e = step * np.eye(31)[k]
                     assert J[:, k] == pytest.approx((reaching.residual(x + e) - reaching.residual(x - e)) / (2 * step), abs=1e-8)
 
+    @pytest.mark.parametrize("name", ["icub", "romeo", "centauro"])
+    def test_jacobians_of_mirrored_mimicking_and_wheeled_robots(self, name):
+        """Along random directions: a base that looks backwards, fingers that follow others, held wheels."""
+        robot, rng, step = ss.load_robot(name), np.random.default_rng(7), 1e-6
+        q = robot.configuration(robot.reference)
+        places = read_placements(robot, {contact: frame_placement(robot, q, contact).translation for contact in robot.frames})
+        reaching = Reaching(robot, q, targets_of(robot, places, read_com((0.0, 0.0, 0.5)), None))
+        x = 0.2 * rng.standard_normal(len(reaching.lower))
+        for _ in range(6):
+            e = rng.standard_normal(len(x))
+            slope = (reaching.residual(x + step * e) - reaching.residual(x - step * e)) / (2 * step)
+            assert reaching.jacobian(x) @ e == pytest.approx(slope, abs=1e-7)
+
     def test_the_answer_is_a_local_optimum(self, hoap2):
         """At the answer the distance grows along every direction that keeps the contacts and the joint limits."""
         rng = np.random.default_rng(3)

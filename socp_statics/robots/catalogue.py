@@ -23,50 +23,51 @@ for _name, _line, _target in (
     (
         "talos",
         "PAL Robotics TALOS, 32 joints, 90.27 kg; contacts left_foot, right_foot, left_hand, right_hand; torque limits are those of the "
-        "model; extra robots; LGPL-3.0; soles 193 x 124 mm, hands are points",
+        "model; example-robot-data 5, extra robots; LGPL-3.0; soles 193 x 124 mm, hands are points",
         "humanoids:talos",
     ),
     (
         "g1",
         "Unitree G1, 29 joints, 33.34 kg; contacts left_foot, right_foot, left_hand, right_hand; torque limits are those of the model; "
-        "extra robots; BSD-3-Clause; soles 170 mm long, 60 mm wide at the toes and 50 mm at the heel, hands are points",
+        "example-robot-data 5, extra robots; BSD-3-Clause; soles 170 mm long, 60 mm wide at the toes and 50 mm at the heel, hands are points",
         "humanoids:g1",
     ),
     (
         "icub",
         "IIT iCub, 32 joints, 28.35 kg; contacts left_foot, right_foot, left_hand, right_hand; torque limits are those of the model; "
-        "extra robots; CC-BY-SA-4.0; soles octagons 156 mm long and 61 mm wide, hands are points",
+        "example-robot-data 5, extra robots; CC-BY-SA-4.0; soles octagons 156 mm long and 61 mm wide, hands are points",
         "humanoids:icub",
     ),
     (
         "romeo",
         "Aldebaran Romeo, 33 joints, 40.53 kg; contacts left_foot, right_foot, left_hand, right_hand; "
         "torque limits are those of the model, placeholders at the 2 joints that close its hands; "
-        "extra robots; BSD; soles hexagons 190 mm long and 109 mm wide, hands are points",
+        "example-robot-data 5, extra robots; BSD; soles hexagons 190 mm long and 109 mm wide, hands are points",
         "humanoids:romeo",
     ),
     (
         "anymal_c",
         "ANYbotics ANYmal C, 12 joints, 52.13 kg; contacts left_front_foot, right_front_foot, left_hind_foot, right_hind_foot; "
-        "torque limits are those of the model; extra robots; BSD-3-Clause; feet are points",
+        "torque limits are those of the model; example-robot-data 5, extra robots; BSD-3-Clause; feet are points",
         "quadrupeds:anymal_c",
     ),
     (
         "solo12",
         "ODRI Solo12, 12 joints, 2.5 kg; contacts left_front_foot, right_front_foot, left_hind_foot, right_hind_foot; "
-        "torque limits are placeholders; extra robots; BSD-3-Clause; feet are points",
+        "torque limits are placeholders; example-robot-data 5, extra robots; BSD-3-Clause; feet are points",
         "quadrupeds:solo12",
     ),
     (
         "hyq",
         "IIT HyQ, 12 joints, 86.77 kg; contacts left_front_foot, right_front_foot, left_hind_foot, right_hind_foot; "
-        "torque limits are those of the model; extra robots; Apache-2.0; feet are points",
+        "torque limits are those of the model; example-robot-data 5, extra robots; Apache-2.0; feet are points",
         "quadrupeds:hyq",
     ),
     (
         "centauro",
         "IIT Centauro, 39 joints, 117.1 kg; contacts left_front_foot, right_front_foot, left_hind_foot, right_hind_foot, left_hand, "
-        "right_hand; torque limits are those of the model; extra robots; Apache-2.0; feet are points below the wheels, hands are points",
+        "right_hand; torque limits are those of the model; "
+        "example-robot-data 5, extra robots; Apache-2.0; feet are points below the wheels, hands are points",
         "quadrupeds:centauro",
     ),
 ):
