@@ -8,6 +8,7 @@ import pytest
 from scipy.spatial import ConvexHull
 
 import socp_statics as ss
+from socp_statics.cases import robot_posture
 from socp_statics.cli import main
 from socp_statics.exceptions import InputError
 from socp_statics.postures import GENERATORS, posture_at
@@ -67,7 +68,7 @@ def geometry(name, link, frame):
     path = urdf_path(name, FILES[name])
     folder = next(parent for parent in path.parents if parent.name == "example-robot-data").parent
     model = robot.pin_model
-    shapes = pin.buildGeomFromUrdf(model, str(path), pin.GeometryType.COLLISION, str(folder))
+    shapes = pin.buildGeomFromUrdf(model, str(path), pin.GeometryType.COLLISION, package_dirs=[str(folder)])
     contact = robot.frames[frame]
     carrier = model.frames[robot.frame_id(contact.frame)]
     offset = carrier.placement * pin.SE3(np.array(contact.rotation), np.array(contact.position))
@@ -179,10 +180,14 @@ def test_roles_bend_the_knees_forward_and_keep_the_soles_level(name):
 
 def test_a_missing_extra_is_one_sentence_with_the_pip_command(monkeypatch, capsys):
     talos.cache_clear()
+    robot_posture._loaded.cache_clear()
     monkeypatch.setitem(sys.modules, "example_robot_data", None)
     monkeypatch.setitem(sys.modules, "example_robot_data.robots_loader", None)
     with pytest.raises(InputError, match=r"robot 'talos' needs the extra robots: pip install 'socp-statics\[robots\]'"):
         ss.load_robot("talos")
     assert ss.load_robot("hoap2").name == "hoap2"
+    assert main(["solve", "talos/double_stance"]) == 2
+    last = capsys.readouterr().err.strip().splitlines()[-1]
+    assert "talos/double_stance" in last and "posture.robot" in last and "pip install 'socp-statics[robots]'" in last
     assert main(["list", "robots"]) == 0
     assert "talos" in capsys.readouterr().out

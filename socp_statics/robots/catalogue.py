@@ -29,7 +29,7 @@ for _name, _line, _target in (
     (
         "g1",
         "Unitree G1, 29 joints, 33.34 kg; contacts left_foot, right_foot, left_hand, right_hand; torque limits are those of the model; "
-        "example-robot-data 5, extra robots; BSD-3-Clause; soles 170 mm long, 60 mm wide at the toes and 50 mm at the heel, hands are points",
+        "example-robot-data 5, extra robots; BSD-3-Clause; soles 170 mm long and 50 to 60 mm wide, hands are points",
         "humanoids:g1",
     ),
     (
