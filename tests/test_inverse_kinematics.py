@@ -180,7 +180,7 @@ class TestTheProgram:
 
 class TestRefusals:
     def test_the_contact_and_the_joint_at_fault_are_named(self, hoap2):
-        with pytest.raises(InputError, match=r"contact 'left_hand' stays 0\.\d+ m .*LARM_JOINT\d") as caught:
+        with pytest.raises(InputError, match=r"contact 'left_hand' stays 0\.\d+ m from its place with .*LARM_JOINT\d") as caught:
             ss.reach(hoap2, {**FEET, "left_hand": (0.6, 0.1, 0.35)}, restarts=1)
         assert caught.value.name == "left_hand" and caught.value.field == "placements"
 

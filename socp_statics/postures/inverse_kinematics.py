@@ -24,7 +24,9 @@ POLISHING_STEPS = 12
 ACCURACY = 1e-8
 ITERATIONS = 50
 APPROACH = 100
-AT_ITS_LIMIT = 1e-6
+# bounds that least squares may start on, and what counts as on a joint limit [rad]
+INSIDE, AT_ITS_LIMIT = 1e-6, 1e-4
+NAMED = 3
 SPREAD = 0.5
 
 
@@ -149,18 +151,16 @@ def _cannot_reach(reaching: Reaching, tried: Sequence[Array]) -> InputError:
     from scipy.optimize import least_squares
 
     start = min(tried, key=lambda x: float(np.sum(reaching.residual(x) ** 2)))
-    bounds = (reaching.lower - AT_ITS_LIMIT, reaching.upper + AT_ITS_LIMIT)
+    bounds = (reaching.lower - INSIDE, reaching.upper + INSIDE)
     x = least_squares(reaching.residual, np.clip(start, reaching.lower, reaching.upper), reaching.jacobian, bounds, max_nfev=APPROACH).x
-    misses, robot = reaching.misses(x), reaching.robot
-    worst = max(misses, key=lambda name: misses[name])
+    worst, miss, unit = reaching.worst(x)
+    robot = reaching.robot
     what = f"contact '{worst}'" if worst in robot.frames else {"com": "the centre of mass", "base": "the base"}[worst]
+    # a joint at its limit holds back where the residual would shrink beyond it
     pull = -reaching.jacobian(x).T @ reaching.residual(x)
-    held = []
-    for k, joint in enumerate(robot.joints):
-        here, lower, upper = x[6 + k], reaching.lower[6 + k], reaching.upper[6 + k]
-        if (here < lower + 1e-4 and pull[6 + k] < 0.0) or (here > upper - 1e-4 and pull[6 + k] > 0.0):
-            held.append((abs(float(pull[6 + k])), joint))
-    limits = ", ".join(joint for _, joint in sorted(held, reverse=True)[:3])
+    low, high = x < reaching.lower + AT_ITS_LIMIT, x > reaching.upper - AT_ITS_LIMIT
+    held = np.where((low & (pull < 0.0)) | (high & (pull > 0.0)), np.abs(pull), 0.0)[6:]
+    limits = ", ".join(robot.joints[k] for k in np.argsort(-held, kind="stable")[:NAMED] if held[k] > 0.0)
     why = f" with {limits} at the joint limit" if limits else ", its limbs are too short or its places contradict each other"
-    message = f"robot '{robot.name}': cannot reach: {what} stays {misses[worst]:.3g} m (or rad) from its place{why}"
+    message = f"robot '{robot.name}': cannot reach: {what} stays {miss:.3g} {unit} from its place{why}"
     return InputError(message, name=worst, field="placements")

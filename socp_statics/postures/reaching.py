@@ -80,11 +80,16 @@ class Reaching:
         """Its derivative along x, shape (m, 6 + n)."""
         return self._evaluate(x)[1]
 
-    def misses(self, x: Array) -> dict[str, float]:
-        """The largest residual of each target [m, rad]."""
-        ends = np.cumsum([target.rows for target in self.targets])[:-1]
-        parts = np.split(np.abs(self.residual(x)), ends)
-        return {target.name: float(part.max()) for target, part in zip(self.targets, parts, strict=True)}
+    def worst(self, x: Array) -> tuple[str, float, str]:
+        """The target that misses most: its name, by how much, and the unit of that, "m" or "rad"."""
+        size = np.abs(self.residual(x))
+        row = int(size.argmax())
+        for target in self.targets:
+            if row < target.rows:
+                # log6 has the translation first
+                return target.name, float(size.max()), "m" if row < 3 else "rad"
+            row -= target.rows
+        raise AssertionError("more rows than the targets have")
 
     def _evaluate(self, x: Array) -> tuple[Array, Array]:
         here = x.tobytes()
