@@ -90,4 +90,4 @@ def shown(problem: Problem, record: Mapping[str, Any]) -> Stance:
     return robot_stance(samples[_worst(record["keyframes"])][2], problem.posture, problem.parameters["torque_limits"])
 
 
-ANSWER = Answer(KeyframesParameters, answer, RECORD_KEYS | {"keyframes": [KEYS], "first_failure": KEYS}, shown)
+ANSWER = Answer(KeyframesParameters, answer, RECORD_KEYS | {"keyframes": [KEYS], "first_failure": KEYS}, shown=shown)
