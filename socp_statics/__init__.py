@@ -41,6 +41,8 @@ _HOMES = {
     "load_robot": "robots",
     "Posture": "postures",
     "pose": "postures",
+    "posture_at": "postures",
+    "reach": "postures",
     "minimise_torque_use": "optimization",
     "optimise_posture": "optimization",
     "margin_gradient": "stability",
@@ -86,6 +88,8 @@ if TYPE_CHECKING:
     from socp_statics.optimization import optimise_posture as optimise_posture
     from socp_statics.postures import Posture as Posture
     from socp_statics.postures import pose as pose
+    from socp_statics.postures import posture_at as posture_at
+    from socp_statics.postures import reach as reach
     from socp_statics.regions import base_of_support as base_of_support
     from socp_statics.regions import com_margin_prices as com_margin_prices
     from socp_statics.regions import support_function as support_function

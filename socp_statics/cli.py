@@ -259,19 +259,21 @@ def _write_record(record: Record, file: str | None) -> None:
 
 
 def _draw(problem: Problem, record: Record, path: Path, engine: str | Sequence[str]) -> None:
+    from socp_statics.cases.solve import shown_stance
     from socp_statics.cases.writing import finished_or_absent
     from socp_statics.comparison import compare_regions
     from socp_statics.figures import save_figure
 
     regions: Mapping[str, object] | None
+    stance = shown_stance(problem, record)
     try:
-        regions = compare_regions(problem.stance(), problem.parameters.get("tolerance", 1e-3), engine=engine)
+        regions = compare_regions(stance, problem.parameters.get("tolerance", 1e-3), engine=engine)
     except InputError:
         # without gravity along z there is no region to draw beside the contacts
         regions = None
     try:
         with finished_or_absent(path) as draft:
-            save_figure(record, draft, regions=regions, posture=problem.robot_posture)
+            save_figure(record, draft, regions=regions, posture=stance.posture)
     except OSError as error:
         raise StaticsError(
             f"--figure {path}: the figure could not be written ({error.strerror})", name=str(path), field="--figure"

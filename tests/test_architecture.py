@@ -42,6 +42,8 @@ HOMES = {
     "clarabel": {"engines"},
     "numba": {"engines"},
     "pinocchio": {"robots", "postures", "statics", "distribution", "viewer"},
+    "pink": {"postures"},
+    "example_robot_data": {"robots"},
     "cdd": {"wrench_cones"},
     "matplotlib": {"figures"},
     "viser": {"viewer"},

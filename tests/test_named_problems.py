@@ -5,11 +5,11 @@ import math
 
 import pytest
 
+from socp_statics.cases.answers import ANSWERS
 from socp_statics.cases.named_problems import problem_names
 from socp_statics.cases.problem import load_problem
 from socp_statics.cases.solve import solve
 from socp_statics.cli import main
-from socp_statics.models import MODELS
 
 NAMES = problem_names()
 FAMILIES = {name.split("/")[0] for name in NAMES}
@@ -27,7 +27,7 @@ def cases(problem):
 def test_problem_is_solved_as_expected(name):
     problem = load_problem(name)
     assert problem.description and len(problem.description) <= 160
-    assert problem.model in MODELS.names()
+    assert problem.model in ANSWERS.names()
     assert problem.reference or problem.expect
     for case in cases(problem):
         record = solve(case)

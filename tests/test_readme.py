@@ -71,6 +71,28 @@ def test_the_posture_program_prints_what_the_readme_says(capsys):
     assert names["gradient"].tangent.shape == (31,) and names["types"]["singular"].dimension == 0
 
 
+def test_the_program_that_reaches_a_wall_runs(capsys):
+    exec(compile(blocks("python")[4], "README", "exec"), {})  # noqa: S102
+    assert capsys.readouterr().out.startswith("stable ")
+
+
+def test_the_generators_and_their_keys_are_those_of_the_table():
+    import inspect
+
+    from socp_statics.postures import GENERATORS
+
+    named = set()
+    for row in re.findall(r"^\| (`\w+`(?:, `\w+`)*) \| (.*?) \|", README, re.M):
+        names, keys = (re.findall(r"`(\w+)`", cell) for cell in row)
+        if not set(names) <= set(GENERATORS.names()):
+            continue
+        named |= set(names)
+        own = {key for name in names for key in inspect.signature(GENERATORS.load(name)).parameters} - {"robot", "at", "friction", "com"}
+        assert own <= set(keys) | {"support"}, names
+        assert set(keys) - {"name", "places", "com", "support"} <= own, names
+    assert named == set(GENERATORS.names())
+
+
 def test_every_verb_of_the_table_exists_and_no_other_is_listed(capsys):
     verbs = set(re.findall(r"\| `socp-statics ([a-z]+)", README))
     assert main(["--help"]) == 0
@@ -86,7 +108,8 @@ def test_every_verb_of_the_table_exists_and_no_other_is_listed(capsys):
 def test_the_files_it_names_exist():
     for name in re.findall(r"`((?:socp_statics|tests|problems)/[\w/.]*)`", README):
         assert (ROOT / name).exists(), name
-    assert all((ROOT / "tests/benchmarks" / name).exists() for name in ("kernel.py", "support_direction.py", "postures.py"))
+    programs = ("kernel.py", "support_direction.py", "postures.py", "inverse_kinematics.py")
+    assert all((ROOT / "tests/benchmarks" / name).exists() for name in programs)
 
 
 @pytest.mark.parametrize("arguments", [["--help"], ["--version"], ["list", "models"]])

@@ -87,7 +87,7 @@ class TestAgainstPinocchio:
         assert gravity_torque(posture.com_jacobian, posture.mass, gravity) == pytest.approx(tau[6:], abs=1e-12)
         assert passive_torque(posture.stance(gravity=gravity)) == pytest.approx(tau[6:], abs=1e-12)
 
-    @pytest.mark.parametrize("name", GENERATORS.names())
+    @pytest.mark.parametrize("name", [name for name in GENERATORS.names() if name not in ("quadruped_stance", "keyframes")])
     def test_torques_of_the_answers(self, hoap2, name):
         posture = generate(name, hoap2)
         loads = [ss.ExternalWrench((1.0, 0.5, -2.0), (0, 0, 0), posture.com_W, link="HEAD_LINK2")]
@@ -96,7 +96,7 @@ class TestAgainstPinocchio:
         answers.append(ss.minimise_torque_use(stance, torque_limits={"default": 9.0}))
         for answer in answers:
             tau = generalised_gravity(posture)
-            for link, point, force, moment in acting(posture, answer.forces, loads):
+            for link, point, force, moment in acting(posture, answer.forces, stance.external_wrenches):
                 tau = tau - full_jacobian(posture, link, point).T @ np.concatenate([force, moment])
             assert np.abs(tau[:6]).max() < 1e-6
             assert [answer.torques[joint] for joint in hoap2.joints] == pytest.approx(list(tau[6:]), abs=1e-6)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import platform
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib import metadata
 from typing import Any
 
@@ -47,7 +47,18 @@ def solve(problem: Problem, engine: str | Sequence[str] = "auto") -> Record:
         keys = ANSWERS.load(problem.model).compute(problem, stance, engine)
     except InputError as error:
         raise InputError(f"{problem.label}: {_key_of(error, problem)}{error}", name=problem.label, field=error.field) from error
-    return _record(problem, stance, chosen, keys)
+    return _record(problem, keys.pop("stance", stance), chosen, keys)
+
+
+def shown_stance(problem: Problem, record: Mapping[str, Any]) -> Stance:
+    """The stance that the forces and the certificate of a record belong to, for example to draw them.
+
+    Args:
+        problem: A single problem.
+        record: Its record.
+    """
+    shown = ANSWERS.load(problem.model).shown
+    return problem.stance() if shown is None else shown(problem, record)
 
 
 def first_engine(engine: str | Sequence[str]) -> str:
@@ -130,6 +141,8 @@ def _record(problem: Problem, stance: Stance, engine: str, keys: dict[str, Any])
     generated = {"contacts": [contact.statement() for contact in stance.contacts], "com": stance.com, "mass": stance.mass}
     if posture is not None:
         generated["angles"] = dict(zip(posture.robot.joints, posture.angles, strict=True))
+        if posture.loads:
+            generated["external_wrenches"] = [{"link": w.link, "force": w.force, "point": w.point} for w in posture.loads]
     entries = {
         "schema": SCHEMA,
         "problem": problem.name,

@@ -53,6 +53,8 @@ def summary_lines(record: Mapping[str, Any]) -> list[tuple[str, str]]:
         lines += [("optimised", line) for line in optimized_lines(record)]
     if "safety" in record:
         lines.append(("safety", _safety(record["safety"])))
+    if "keyframes" in record:
+        lines.append(("keyframes", _keyframes(record)))
     if record["certificate"]:
         lines.append(("because", record["certificate"].get("reading") or "forces inside every cone balance the load"))
     if record.get("capability", {}).get("beyond"):
@@ -78,6 +80,14 @@ _REASONS = {
     "rank": "the load lies within rounding of what the contacts can carry",
     "torque": "only because of the torque limits",
 }
+
+
+def _keyframes(record: Mapping[str, Any]) -> str:
+    checked, failure = record["keyframes"], record["first_failure"]
+    if failure is None:
+        return f"all {len(checked)} postures hold"
+    support = ", ".join(failure["support"])
+    return f"{failure['where']}, at {failure['progress']:.3g} of the way, is the first of {len(checked)} that fails, on {support}"
 
 
 def _newtons(value: Any) -> str:

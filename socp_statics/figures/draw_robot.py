@@ -54,7 +54,7 @@ def draw_robot(
     """Draw a robot from its side or from the front.
 
     Boxes, cylinders and spheres of its URDF are drawn as the outlines of their projections, what is farther lighter; a robot
-    without such shapes as lines from joint to joint. Friction cones have their true angle, their size says nothing.
+    with fewer such shapes than joints as lines from joint to joint. Friction cones have their true angle, their size says nothing.
 
     Args:
         posture: The posture.

@@ -21,7 +21,7 @@ LEVEL = 1e-6
 
 
 def add_body(ax: Axes, posture: Posture, view: View) -> Array:
-    """Add the primitive shapes of a robot, what is farther lighter; a robot without shapes as lines from joint to joint.
+    """Add the primitive shapes of a robot, what is farther lighter; a robot with fewer shapes than joints as lines from joint to joint.
 
     Args:
         ax: The axes.
@@ -31,7 +31,7 @@ def add_body(ax: Axes, posture: Posture, view: View) -> Array:
     Returns:
         Points that the view has to show, shape (n, 2) [m].
     """
-    if not posture.robot.shapes:
+    if len(posture.robot.shapes) < len(posture.robot.joints):
         return _add_skeleton(ax, posture, view)
     placed = {link: posture.link_placement(link) for link in dict.fromkeys(shape.link for shape in posture.robot.shapes)}
     bodies = []
@@ -56,12 +56,14 @@ def _paler(colour: str, share: float) -> tuple[float, float, float]:
 
 
 def _add_skeleton(ax: Axes, posture: Posture, view: View) -> Array:
-    """Lines between joints, and from the last ones to the contacts."""
-    model = posture.robot.pin_model
+    """Lines between joints, and from the last ones to where the robot can touch."""
+    robot, model = posture.robot, posture.robot.pin_model
     where = [posture.link_placement(name)[1] for name in list(model.names)[1:]]
     bones = [(where[model.parents[k] - 1], where[k - 1]) for k in range(2, model.njoints)]
-    for contact in posture.contacts:
-        bones.append((posture.link_placement(posture.robot.frames[contact.name].frame)[1], contact.position))
+    for frame in robot.frames.values():
+        R_WF, p_WF = posture.link_placement(frame.frame)
+        carrier = model.frames[robot.frame_id(frame.frame)].parentJoint
+        bones.append((where[carrier - 1], p_WF + R_WF @ frame.position))
     points = []
     for ends in bones:
         flat = np.array(ends)[:, view.axes]

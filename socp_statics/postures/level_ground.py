@@ -5,7 +5,8 @@ from __future__ import annotations
 from socp_statics.exceptions import InputError
 from socp_statics.postures.posture import Posture
 
-OFF_THE_PLANE = 1e-6
+# metres and 1 - cosine: some models have axes rounded to five digits
+OFF_THE_PLANE, TILTED = 1e-5, 1e-9
 
 
 def on_level_ground(posture: Posture, generator: str) -> Posture:
@@ -26,7 +27,7 @@ def on_level_ground(posture: Posture, generator: str) -> Posture:
         height, tilt = float(contact.position[2] - ground), float(1.0 - contact.normal_W[2])
         if abs(height) > OFF_THE_PLANE:
             where = f"{abs(height) * 1e3:.3g} mm {'above' if height > 0 else 'below'} the ground"
-        elif tilt > OFF_THE_PLANE**2:
+        elif tilt > TILTED:
             where = "not level"
         else:
             continue

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import threading
-import weakref
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -15,9 +13,13 @@ from socp_statics.contacts import ContactSet, ExternalWrench, Stance
 from socp_statics.contacts.numbers import vector
 from socp_statics.contacts.stance import GRAVITY_W, as_external_wrench
 from socp_statics.exceptions import InputError
+from socp_statics.postures.support import checked_friction, checked_support
 from socp_statics.postures.torque_limits import resolve_torque_limits
+from socp_statics.postures.working_memory import working_memory
 from socp_statics.robots import Robot
 from socp_statics.spatial import Array, skew
+
+UNIT_QUATERNION = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +37,7 @@ class Posture:
         jacobian: For each contact, velocity of its frame due to joint rates with the base fixed, ``[linear; angular]`` at the
             contact's position, world axes: J_cB of full contacts, shape (6, n).
         com_jacobian: J_CB, velocity of the centre of mass due to joint rates with the base fixed, world axes, shape (3, n).
+        loads: Wrenches impressed on the robot by what it holds, in balance among themselves; every stance of the posture has them.
     """
 
     robot: Robot
@@ -46,6 +49,7 @@ class Posture:
     R_WB: Array
     jacobian: Mapping[str, Array]
     com_jacobian: Array
+    loads: tuple[ExternalWrench, ...] = ()
 
     @property
     def support(self) -> tuple[str, ...]:
@@ -132,7 +136,7 @@ class Posture:
         Raises:
             InputError: A wrench names an unknown link, or the torque limits are wrong.
         """
-        wrenches = tuple(as_external_wrench(w) for w in external_wrenches)
+        wrenches = (*self.loads, *(as_external_wrench(w) for w in external_wrenches))
         for wrench in wrenches:
             if wrench.link is not None:
                 self.robot.frame_id(wrench.link)
@@ -176,80 +180,99 @@ def pose(
     Raises:
         InputError: An unknown joint or contact, a contact named twice, an angle outside its limits, or a missing friction.
     """
-    import pinocchio
-
-    names = _checked_support(robot, support)
-    mu = _checked_friction(robot, names, friction)
+    names = checked_support(robot, support)
+    mu = checked_friction(robot, names, friction)
     angles = robot.angles(q)
     start = vector(robot.name, "at", at, 3, kind="robot")
-    model, data = robot.pin_model, _scratch(robot)
-    configuration = robot.configuration(angles)
-    pinocchio.computeJointJacobians(model, data, configuration)
-    com_jacobian = pinocchio.jacobianCenterOfMass(model, data, configuration)[:, 6:]
-    com_B = data.com[0]
-
-    frames = [robot.frames[name] for name in names]
-    ids = [robot.frame_id(frame.frame, frame.name) for frame in frames]
-    placements = [pinocchio.updateFramePlacement(model, data, index) for index in ids]
-    first, F = placements[0], frames[0]
+    data = _from_the_base(robot, angles)
+    first, F = _frame_placement(robot, data, names[0]), robot.frames[names[0]]
     R_WB = (first.rotation @ F.rotation).T
     p_WB = start - R_WB @ (first.translation + first.rotation @ F.position)
+    return _placed(robot, angles, data, p_WB, R_WB, mu, {})
+
+
+def posture_at(
+    robot: Robot,
+    q: ArrayLike,
+    support: Sequence[str] = ("left_foot", "right_foot"),
+    friction: float | Mapping[str, float] = 0.5,
+    orientations: Mapping[str, Array] | None = None,
+) -> Posture:
+    """The posture of a whole configuration: base and joints.
+
+    Args:
+        robot: The robot.
+        q: Pinocchio configuration: base position, base quaternion (x, y, z, w), joints, shape (nq,).
+        support: Contacts of the robot that touch, where the kinematics put them.
+        friction: Coulomb coefficient of all of them, or by contact.
+        orientations: ``R_WC`` of contacts at a point by name, where what they touch decides it and not the link, shape (3, 3).
+
+    Returns:
+        The posture.
+
+    Raises:
+        InputError: An unknown contact, a contact named twice, an angle outside its limits, a missing friction, or no configuration.
+    """
+    import pinocchio
+
+    names = checked_support(robot, support)
+    mu = checked_friction(robot, names, friction)
+    configuration = vector(robot.name, "q", q, robot.pin_model.nq, kind="robot")
+    quaternion = configuration[3:7]
+    if abs(float(quaternion @ quaternion) - 1.0) > UNIT_QUATERNION:
+        message = f"robot '{robot.name}': q[3:7] must be a unit quaternion (x, y, z, w), got {quaternion.tolist()}"
+        raise InputError(message, name=robot.name, field="q")
+    angles = robot.angles(robot.joint_angles(configuration))
+    R_WB = pinocchio.Quaternion(*np.roll(quaternion, 1)).toRotationMatrix()
+    return _placed(robot, angles, _from_the_base(robot, angles), configuration[:3].copy(), R_WB, mu, orientations or {})
+
+
+def _from_the_base(robot: Robot, angles: Array) -> Any:
+    """Joint placements, Jacobians and centre of mass with the base at the origin."""
+    import pinocchio
+
+    data, configuration = working_memory(robot), robot.configuration(angles)
+    pinocchio.computeJointJacobians(robot.pin_model, data, configuration)
+    pinocchio.jacobianCenterOfMass(robot.pin_model, data, configuration)
+    return data
+
+
+def _frame_placement(robot: Robot, data: Any, contact: str) -> Any:
+    import pinocchio
+
+    frame = robot.frames[contact]
+    return pinocchio.updateFramePlacement(robot.pin_model, data, robot.frame_id(frame.frame, contact))
+
+
+def _placed(
+    robot: Robot, angles: Array, data: Any, p_WB: Array, R_WB: Array, friction: Mapping[str, float], orientations: Mapping[str, Array]
+) -> Posture:
+    """The posture whose kinematics were done with the base at the origin, moved to where the base is."""
+    import pinocchio
+
     contacts, jacobian = [], {}
-    for frame, index, placement in zip(frames, ids, placements, strict=True):
+    for name, mu in friction.items():
+        frame, placement = robot.frames[name], _frame_placement(robot, data, name)
         R_WF, p_WF = R_WB @ placement.rotation, p_WB + R_WB @ placement.translation
-        contacts.append(frame.contact(R_WF, p_WF, mu[frame.name]))
-        J = pinocchio.getFrameJacobian(model, data, index, pinocchio.LOCAL_WORLD_ALIGNED)[:, 6:]
+        contacts.append(frame.contact(R_WF, p_WF, mu, orientations.get(name)))
+        index = robot.frame_id(frame.frame, name)
+        J = pinocchio.getFrameJacobian(robot.pin_model, data, index, pinocchio.LOCAL_WORLD_ALIGNED)[:, 6:]
         J_W = (R_WB @ J.reshape(2, 3, -1)).reshape(6, -1)
         J_W[:3] -= skew(R_WF @ frame.position) @ J_W[3:]
-        jacobian[frame.name] = _fixed(J_W)
+        jacobian[name] = _fixed(J_W)
     return Posture(
         robot=robot,
         q=_fixed(robot.configuration(angles, p_WB, R_WB)),
         angles=_fixed(angles),
         contacts=ContactSet(contacts),
-        com_W=_fixed(p_WB + R_WB @ com_B),
+        com_W=_fixed(p_WB + R_WB @ data.com[0]),
         p_WB=_fixed(p_WB),
         R_WB=_fixed(R_WB),
         jacobian=jacobian,
-        com_jacobian=_fixed(R_WB @ com_jacobian),
+        com_jacobian=_fixed(R_WB @ data.Jcom[:, 6:]),
     )
-
-
-_SCRATCH = threading.local()
-
-
-def _scratch(robot: Robot) -> Any:
-    """Pinocchio's working memory for a robot, one a thread: making it costs more than the kinematics."""
-    kept = _SCRATCH.__dict__.setdefault("of", weakref.WeakKeyDictionary())
-    if robot not in kept:
-        kept[robot] = robot.pin_model.createData()
-    return kept[robot]
 
 
 def _fixed(array: Array) -> Array:
     array.setflags(write=False)
     return array
-
-
-def _checked_support(robot: Robot, support: Sequence[str]) -> tuple[str, ...]:
-    names = (support,) if isinstance(support, str) else tuple(support)
-    if not names:
-        raise InputError(f"robot '{robot.name}': support must name at least one contact", name=robot.name, field="support")
-    for name in names:
-        robot.contact_frame(name)
-        if names.count(name) > 1:
-            raise InputError(f"robot '{robot.name}': support names {name!r} twice", name=name, field="support")
-    return names
-
-
-def _checked_friction(robot: Robot, names: tuple[str, ...], friction: float | Mapping[str, float]) -> dict[str, float]:
-    if not isinstance(friction, Mapping):
-        return dict.fromkeys(names, friction)
-    for name in friction:
-        if name not in names:
-            message = f"robot '{robot.name}': friction names {name!r}, which is not in support ({', '.join(names)})"
-            raise InputError(message, name=str(name), field="friction")
-    for name in names:
-        if name not in friction:
-            raise InputError(f"robot '{robot.name}': friction of {name!r} is missing", name=name, field="friction")
-    return dict(friction)

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from numpy.typing import ArrayLike
 
-from socp_statics.postures.joint_roles import SIDES, arm_angles, joint_roles
+from socp_statics.postures.joint_roles import SIDES, angles_by_role, arm_angles
 from socp_statics.postures.level_ground import on_level_ground
 from socp_statics.postures.posture import Posture, pose
 from socp_statics.robots import Robot
@@ -37,8 +37,7 @@ def generate(
     Raises:
         InputError: A contact off the level ground, or as `pose`.
     """
-    roles = joint_roles(robot)
     angles = arm_angles(robot, arms)
     for side, outward in zip(SIDES, (1.0, -1.0), strict=True):
-        angles |= {roles[f"{side}_hip_roll"]: outward * angle, roles[f"{side}_ankle_roll"]: -outward * angle}
+        angles |= angles_by_role(robot, {f"{side}_hip_roll": outward * angle, f"{side}_ankle_roll": -outward * angle})
     return on_level_ground(pose(robot, angles, support, friction, at), "rolled_feet")

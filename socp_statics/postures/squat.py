@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from numpy.typing import ArrayLike
 
-from socp_statics.postures.joint_roles import SIDES, arm_angles, joint_roles
+from socp_statics.postures.joint_roles import SIDES, angles_by_role, arm_angles
 from socp_statics.postures.level_ground import on_level_ground
 from socp_statics.postures.posture import Posture, pose
 from socp_statics.robots import Robot
@@ -23,12 +23,8 @@ def bent_leg(robot: Robot, side: str, knee: float) -> dict[str, float]:
     Returns:
         Joint to angle [rad].
     """
-    roles = joint_roles(robot)
-    return {
-        roles[f"{side}_hip_pitch"]: -knee / 2,
-        roles[f"{side}_knee_pitch"]: knee,
-        roles[f"{side}_ankle_pitch"]: -knee / 2,
-    }
+    bent = {f"{side}_hip_pitch": -knee / 2, f"{side}_knee_pitch": knee, f"{side}_ankle_pitch": -knee / 2}
+    return angles_by_role(robot, bent)
 
 
 def generate(

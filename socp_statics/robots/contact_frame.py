@@ -89,23 +89,34 @@ class ContactFrame:
         own = {key: keys[key] for key in ("frame", "type", "size", "vertices", "position", "rotation") if key in keys}
         return cls(name, **own, extra={key: keys[key] for key in SHAPE_KEYS[2:] if key in keys})
 
-    def contact(self, R_WF: Array, p_WF: Array, friction: float | None = None) -> Contact:
+    @property
+    def at_a_point(self) -> bool:
+        """Whether it touches at one point or grips there: what it touches then decides the axes, however the link is turned."""
+        return len(self.points_C) == 1
+
+    @property
+    def points_C(self) -> Array:
+        """Contact points in the contact plane, shape (k, 2) [m]."""
+        return self._pattern.points_C
+
+    def contact(self, R_WF: Array, p_WF: Array, friction: float | None = None, R_WC: Array | None = None) -> Contact:
         """The contact where the kinematics put its frame.
 
         Args:
             R_WF: Orientation of the URDF frame, shape (3, 3).
             p_WF: Its origin, world axes, shape (3,) [m].
             friction: Coulomb coefficient >= 0; not used by handles and frictionless types.
+            R_WC: Orientation of the contact where the environment decides it, shape (3, 3).
 
         Returns:
-            The contact at ``p_WC = p_WF + R_WF p_FC`` with ``R_WC = R_WF R_FC``.
+            The contact at ``p_WC = p_WF + R_WF p_FC``, by default with ``R_WC = R_WF R_FC``.
 
         Raises:
             InputError: Friction is missing or wrong.
         """
         pattern = self._pattern
         mu = pattern.friction if self.type in WITHOUT_FRICTION else scalar(self.name, "friction", friction, least=0.0)
-        return pattern.placed(p_WF + R_WF @ self.position, R_WF @ self.rotation, mu)
+        return pattern.placed(p_WF + R_WF @ self.position, R_WF @ self.rotation if R_WC is None else R_WC, mu)
 
     def statement(self) -> dict[str, Any]:
         """The keys that state this frame again, as plain lists and numbers."""

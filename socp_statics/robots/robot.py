@@ -40,6 +40,7 @@ class Robot:
         lower: Least joint angles, shape (n,) [rad]; -inf for a continuous joint.
         upper: Largest joint angles, shape (n,) [rad].
         neutral: The zero pose, moved inside the joint limits, shape (n,) [rad].
+        reference: A posture with bent limbs from which inverse kinematics starts and to which it keeps near, shape (n,) [rad].
         torque_limits: Lower and upper joint torque of the model, shape (n, 2) [N m].
         placeholder_joints: Joints whose torque limits are not those of a motor: 0, the same 100 on every joint, 1000 and more, an interval
             without 0, or all joints where ``torque_limits_real=False`` was given.
@@ -66,6 +67,7 @@ class Robot:
         urdf_file: Path | None = None,
         torque_limits_real: bool = True,
         torque_limits_note: str = "",
+        reference: Mapping[str, float] | None = None,
     ):
         import pinocchio
 
@@ -83,6 +85,8 @@ class Robot:
         bodies = [f.name for f in pin_model.frames if f.type == pinocchio.FrameType.BODY and f.parentJoint == 1]
         self.base = bodies[0] if bodies else pin_model.names[1]
         self._content = content
+        self.reference = self.angles(reference or {})
+        self.reference.setflags(write=False)
         self._set_frames(frames)
 
     @classmethod
@@ -192,6 +196,31 @@ class Robot:
         other = object.__new__(Robot)
         other.__dict__.update(self.__dict__)
         other._set_frames({**self.frames, **frames})
+        return other
+
+    def with_masses(self, masses: Mapping[str, float]) -> Robot:
+        """The same robot with point masses at its contact frames, for example halves of an object in its hands.
+
+        Args:
+            masses: Contact name to mass >= 0 [kg].
+
+        Raises:
+            InputError: An unknown contact, or a mass that is not a finite number >= 0.
+        """
+        import pinocchio
+
+        model, content = self.pin_model.copy(), self._content
+        for contact, given in masses.items():
+            frame, mass = self.contact_frame(contact), scalar(contact, "mass", given, least=0.0)
+            carrier = model.frames[self.frame_id(frame.frame, contact)]
+            point = carrier.placement.act(np.array(frame.position))
+            model.appendBodyToJoint(carrier.parentJoint, pinocchio.Inertia(mass, point, np.zeros((3, 3))), pinocchio.SE3.Identity())
+            content += f"{contact} {mass!r}".encode()
+        other = object.__new__(Robot)
+        other.__dict__.update(self.__dict__)
+        other.pin_model, other._content = model, content
+        other.mass = float(pinocchio.computeTotalMass(model))
+        other._set_frames(self.frames)
         return other
 
     def frame_id(self, frame: str, contact: str | None = None) -> int:

@@ -22,6 +22,7 @@ def robot_from_urdf(
     licence: str = "not stated",
     torque_limits_real: bool = True,
     torque_limits_note: str = "",
+    reference: Mapping[str, float] | None = None,
 ) -> Robot:
     """A robot from a URDF.
 
@@ -36,6 +37,7 @@ def robot_from_urdf(
         licence: Licence of the URDF.
         torque_limits_real: False where the effort limits are known not to be those of the motors.
         torque_limits_note: Why.
+        reference: Joint angles from which inverse kinematics starts, the others neutral; all neutral by default [rad].
 
     Returns:
         The robot.
@@ -56,6 +58,7 @@ def robot_from_urdf(
         urdf_file=Path(path),
         torque_limits_real=torque_limits_real,
         torque_limits_note=torque_limits_note,
+        reference=reference,
     )
 
 
@@ -69,7 +72,9 @@ def _pin_model(urdf: UrdfText) -> Any:
             raise
     model = _build(urdf, leaders)
     for leader in leaders:
-        model.names[model.getJointId(f"!{leader}")] = leader
+        # a fixed joint above a leader is a frame of the model and no joint
+        if model.existJointName(f"!{leader}"):
+            model.names[model.getJointId(f"!{leader}")] = leader
         model.frames[model.getFrameId(f"!{leader}")].name = leader
     return model
 

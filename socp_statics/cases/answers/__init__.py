@@ -23,3 +23,8 @@ ANSWERS.add(
     "a better posture on the same contacts: largest margin, CoM margin, or least worst share of the torque limits",
     f"{_HERE}.posture_optimization:ANSWER",
 )
+ANSWERS.add(
+    "keyframes",
+    "the verdict of contact states in turn and along the ways between them, the first failure named",
+    f"{_HERE}.keyframes:ANSWER",
+)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, Self
 
@@ -112,17 +112,20 @@ class Answer:
 
     Attributes:
         parameters: The class of its ``[parameters]``.
-        compute: ``(problem, stance, engine) -> dict`` of the model's record keys.
+        compute: ``(problem, stance, engine) -> dict`` of the model's record keys; an answer about many stances adds under
+            ``"stance"`` the one its forces and certificate belong to.
         record_keys: The keys its records can have, nested; a list holds what its entries hold, `BY_CONTACT` and
             `BY_JOINT` stand for names.
         follows_com: Whether `compute` asks about the stance it is given and nothing else, and fast enough to follow a centre of mass
             that somebody drags about.
+        shown: ``(problem, record) -> stance`` that the forces of a record belong to, where it is not that of the problem.
     """
 
     parameters: type[Parameters]
     compute: Callable[[Problem, Stance, str | Sequence[str]], dict[str, Any]]
     record_keys: dict[str, Any] = field(default_factory=lambda: RECORD_KEYS)
     follows_com: bool = False
+    shown: Callable[[Problem, Mapping[str, Any]], Stance] | None = None
 
 
 def contact_names(info: ValidationInfo) -> tuple[str, ...] | None:
