@@ -137,6 +137,22 @@ class TestExits:
                 assert ray.joints and all(joint[1:4] == "LEG" for joint in ray.joints) and ray.joints[0] in ray.reading
                 assert ss.check_equilibrium(ray.beyond.posture).stable
 
+    def test_knees_give_way_where_all_above_them_turns_harder(self, weak):
+        """Leaning back in the plane of symmetry: gravity moments about the knee axes, added up link by link, straddle 2 x 2 N m."""
+        ray = weak.rays[6]
+        assert ray.direction == pytest.approx([-1, 0]) and set(ray.joints[:2]) == {"LLEG_JOINT4", "RLEG_JOINT4"}
+        moments = []
+        for end in (ray.attained, ray.beyond):
+            robot, model = end.posture.robot, end.posture.robot.pin_model
+            data = model.createData()
+            pin.forwardKinematics(model, data, np.array(end.posture.q))
+            knees = [model.getJointId(f"{side}LEG_JOINT4") for side in "LR"]
+            axis = np.mean([data.oMi[k].translation[0] for k in knees])
+            below = {j for k in knees for j in model.subtrees[k]}
+            above = [j for j in range(1, model.njoints) if j not in below]
+            moments.append(sum(9.81 * model.inertias[j].mass * (axis - (data.oMi[j] * model.inertias[j].lever)[0]) for j in above))
+        assert moments[0] <= 4.0 <= moments[1]
+
     def test_a_mirror_image_gets_the_mirrored_distances(self, free, weak):
         for region in (free, weak):
             k = len(region.rays)

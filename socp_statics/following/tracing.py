@@ -87,7 +87,7 @@ def trace_following_region(
         raise InputError(message, name="height", field="height")
     centre = np.array([*stance.com[:2], begin.posture.com_W[2]])
     angles = 2.0 * np.pi * np.arange(rays) / rays
-    directions = np.round(np.column_stack([np.cos(angles), np.sin(angles)]), 15)
+    directions = np.round(np.column_stack([np.cos(angles), np.sin(angles)]), 15) + 0.0
     found = tuple(follow(follower, start, centre, direction) for direction in directions)
     return FollowingRegion(stance.posture, begin, found, height, float(step), float(tolerance))
 
