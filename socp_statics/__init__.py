@@ -32,6 +32,7 @@ _HOMES = {
     "support_function": "regions",
     "base_of_support": "regions",
     "com_margin_prices": "regions",
+    "trace_following_region": "following",
     "optimise_contact_forces": "optimization",
     "minimise_largest_wrench": "optimization",
     "largest_payload": "optimization",
@@ -80,6 +81,7 @@ if TYPE_CHECKING:
     from socp_statics.figures import draw_robot as draw_robot
     from socp_statics.figures import draw_torques as draw_torques
     from socp_statics.figures import robot_views as robot_views
+    from socp_statics.following import trace_following_region as trace_following_region
     from socp_statics.optimization import largest_payload as largest_payload
     from socp_statics.optimization import largest_push as largest_push
     from socp_statics.optimization import minimise_largest_wrench as minimise_largest_wrench

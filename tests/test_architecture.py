@@ -24,6 +24,7 @@ FLOORS = {
     "certificates": 3.0,
     "stability": 4.0,
     "regions": 4.0,
+    "following": 4.5,
     "optimization": 5.0,
     "cases": 6.0,
     "colours": 6.9,

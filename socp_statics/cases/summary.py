@@ -47,6 +47,8 @@ def summary_lines(record: Mapping[str, Any]) -> list[tuple[str, str]]:
         lines.append(("CoM margin", _millimetres(record["com_margin"])))
     if "region" in record:
         lines.append(("region", _region(record["region"])))
+    if "following" in record:
+        lines += _following(record["following"])
     if record["objective"] is not None and "optimized" not in record:
         lines.append(("objective", _objective(record)))
     if "optimized" in record:
@@ -147,6 +149,21 @@ def _region(region: Mapping[str, Any]) -> str:
     if region["kind"] == "unbounded":
         return f"unbounded along {len(region['rays'])} rays, {region['solves']} programs{frozen}"
     return f"{region['kind']}, {region['solves']} programs{frozen}"
+
+
+def _following(following: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """How far the posture follows, what stops it, and the shortest ray."""
+    rays = following["rays"]
+    shortest = min(rays, key=lambda ray: round(ray["distance"], 9))
+    ends = sorted(1e3 * ray["distance"] for ray in rays)
+    free = "free" if following["height"] == "free" else f"{following['height']:g} m"
+    reach = f"{ends[0]:.4g} to {ends[-1]:.4g} mm, star of {1e4 * following['area']:.5g} cm^2 attained along the rays only, height {free}"
+    toward = ", ".join(f"{value + 0.0:.2f}" for value in shortest["direction"])
+    return [
+        ("following", f"{len(rays)} rays, {reach}"),
+        ("stopped by", ", ".join(f"{reason} {count}" for reason, count in following["reasons"].items())),
+        ("shortest", f"along ({toward}): {shortest['reading']}"),
+    ]
 
 
 def _safety(safety: Mapping[str, Any]) -> str:

@@ -12,6 +12,7 @@ from socp_statics.exceptions import InputError
 from socp_statics.figures.answer_figure import answer_figure as answer_figure
 from socp_statics.figures.answer_figure import draw_answer as draw_answer
 from socp_statics.figures.answer_figure import save_figure as save_figure
+from socp_statics.figures.draw_following import draw_following as draw_following
 from socp_statics.figures.draw_motion import draw_motion as draw_motion
 from socp_statics.figures.draw_region import draw_base_of_support as draw_base_of_support
 from socp_statics.figures.draw_region import draw_region as draw_region
@@ -19,12 +20,15 @@ from socp_statics.figures.draw_robot import draw_robot as draw_robot
 from socp_statics.figures.draw_robot import robot_views as robot_views
 from socp_statics.figures.draw_stance import draw_stance as draw_stance
 from socp_statics.figures.draw_torques import draw_torques as draw_torques
+from socp_statics.following import FollowingRegion
 from socp_statics.postures import Posture
 from socp_statics.regions import BaseOfSupport, SupportRegion
 
+Drawable = SupportRegion | FollowingRegion | Stance | ContactSet | BaseOfSupport | Posture | Mapping[str, Any]
 
-def draw(thing: SupportRegion | Stance | ContactSet | BaseOfSupport | Posture | Mapping[str, Any], ax: Axes | None = None) -> Axes:
-    """Draw a region, a stance, contacts, a base of support or a record on the floor plan; a posture from the robot's side.
+
+def draw(thing: Drawable, ax: Axes | None = None) -> Axes:
+    """Draw a region, a following region, a stance, contacts, a base of support or a record on the floor plan; a posture from its side.
 
     Args:
         thing: What to draw.
@@ -38,6 +42,8 @@ def draw(thing: SupportRegion | Stance | ContactSet | BaseOfSupport | Posture | 
     """
     if isinstance(thing, SupportRegion):
         return draw_region(thing, ax)
+    if isinstance(thing, FollowingRegion):
+        return draw_following(thing, ax)
     if isinstance(thing, Stance | ContactSet):
         return draw_stance(thing, ax)
     if isinstance(thing, BaseOfSupport):

@@ -10,6 +10,7 @@ import numpy as np
 from socp_statics.cones.choice import KINDS, ConeChoice
 from socp_statics.contacts import ContactSet, contact_from_statement
 from socp_statics.contacts.stance import GRAVITY_W
+from socp_statics.figures.draw_following import FollowingShape, following_in_record
 from socp_statics.figures.region_shape import RegionShape, shape_in_record, shape_of_region
 from socp_statics.figures.torque_use import JointTorque, torque_uses
 from socp_statics.postures import Posture
@@ -31,6 +32,7 @@ class Answer(NamedTuple):
         asked: The region of the cones that were asked for.
         torques: Joint torques with their limits.
         posture: The robot, where there is one.
+        following: How far the posture follows its centre of mass, where that was asked.
     """
 
     contacts: ContactSet
@@ -43,6 +45,7 @@ class Answer(NamedTuple):
     asked: RegionShape | None
     torques: list[JointTorque]
     posture: Posture | None
+    following: FollowingShape | None
 
     @property
     def com_margin(self) -> float | None:
@@ -54,7 +57,9 @@ def answer_of(record: Mapping[str, Any], regions: Mapping[str, SupportRegion] | 
     """What a record holds that can be drawn, with regions and the posture that were found beside it."""
     case = record["case"]
     generated, stated = case["generated"], case.get("posture", {})
-    shapes = {kind: shape_of_region(region) for kind, region in (regions or {}).items()}
+    following = following_in_record(record)
+    # beside a star of rays, pyramids would only be in the way of the region of the frozen posture
+    shapes = {kind: shape_of_region(region) for kind, region in (regions or {}).items() if following is None}
     own = shape_in_record(record)
     if own is not None:
         shapes[own.cone.kind] = own
@@ -80,4 +85,5 @@ def answer_of(record: Mapping[str, Any], regions: Mapping[str, SupportRegion] | 
         asked=asked,
         torques=torque_uses({**record, "torques": limit["torques"]} if at_limit else record) if record.get("torques") else [],
         posture=posture,
+        following=following,
     )

@@ -15,6 +15,7 @@ from socp_statics.cases.writing import finished_or_absent
 from socp_statics.exceptions import InputError
 from socp_statics.figures.answer_content import Answer, answer_of
 from socp_statics.figures.answer_words import answer_words
+from socp_statics.figures.draw_following import add_following
 from socp_statics.figures.draw_motion import add_motion
 from socp_statics.figures.draw_region import add_base_of_support, add_com_margin, add_rays, add_region
 from socp_statics.figures.draw_robot import HEAD, Pushes, add_robot
@@ -143,7 +144,7 @@ def _add_plan(ax: Axes, answer: Answer, panels: int = 1) -> Window:
     points, shapes = answer.contacts.points_W[:, :2], answer.shapes
     others = np.array([answer.com[:2], *(load["point"][:2] for load in answer.loads)], dtype=float)
     drawn = [s for s in shapes.values() if len(s.inner)]
-    bounded = [s.inner for s in drawn if s.kind != "unbounded"]
+    bounded = [s.inner for s in drawn if s.kind != "unbounded"] + ([] if answer.following is None else [answer.following.ends])
     window = choose_window(points, others, bounded, [s.inner for s in drawn if s.kind == "unbounded"])
     window = with_room_for_names(shaped_for_sheet(window, panels), {c.name: c.points_W[:, :2] for c in answer.contacts}, SHEET_AXES)
     window = shaped_for_sheet(window, panels)
@@ -153,6 +154,8 @@ def _add_plan(ax: Axes, answer: Answer, panels: int = 1) -> Window:
     add_base_of_support(ax, base_of_support(answer.contacts))
     if filled is not None:
         add_rays(ax, shapes[filled], window)
+    if answer.following is not None:
+        add_following(ax, answer.following)
     add_contacts(ax, answer.contacts, window)
     add_com_or_direction(ax, answer.com[:2], window)
     if answer.asked is not None and answer.com_margin is not None:

@@ -16,6 +16,7 @@ QUESTIONS = {
     "equilibrium": ("maximise", "t", "the normal-force reserve of every contact point"),
     "keyframes": ("maximise", "t", "the normal-force reserve of every contact point, of every contact state and along the ways between"),
     "support_region": ("maximise", "d' c", "one program for each direction d of the plane; c is the horizontal CoM position"),
+    "following_region": ("maximise", "t", "the reserve of each posture on the way; shown: the seed, whose contacts stay"),
     "minimax_wrench": ("minimise", "s", "the largest measure"),
     "capability": ("maximise", "w", "the load: a payload (its weight) or a push"),
     "torque_feasibility": ("minimise", "s", "the worst share of a torque limit; feasible exactly where s <= 1"),
@@ -58,7 +59,7 @@ def describe(model: str, stance: Stance, parameters: Mapping[str, Any]) -> str:
     verb, objective, meaning = _question(model, parameters)
     moving = model == "posture_optimization"
     easing = moving and parameters["objective"] == "torque"
-    reserve = model in ("equilibrium", "keyframes") or (moving and not easing)
+    reserve = model in ("equilibrium", "keyframes", "following_region") or (moving and not easing)
     rows = [_balance(model, shape, data), *_cone_rows(shape, data, cone, reserve), *_other_rows(shape, data, reserve)]
     if data.torques.limited:
         share = "s " if model == "torque_feasibility" or easing else ""

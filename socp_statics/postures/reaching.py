@@ -80,9 +80,19 @@ class Reaching:
         """Its derivative along x, shape (m, 6 + n)."""
         return self._evaluate(x)[1]
 
+    def com(self, x: Array) -> Array:
+        """Centre of mass ``com_W``, shape (3,) [m]."""
+        import pinocchio
+
+        return pinocchio.centerOfMass(self.robot.pin_model, working_memory(self.robot), self.configuration(x), False).copy()
+
     def worst(self, x: Array) -> tuple[str, float, str]:
         """The target that misses most: its name, by how much, and the unit of that, "m" or "rad"."""
-        size = np.abs(self.residual(x))
+        return self.worst_in(self.residual(x))
+
+    def worst_in(self, residual: Array) -> tuple[str, float, str]:
+        """The target with the largest entry of a residual, shape (m,): its name, that entry, and the unit of it, "m" or "rad"."""
+        size = np.abs(residual)
         row = int(size.argmax())
         for target in self.targets:
             if row < target.rows:

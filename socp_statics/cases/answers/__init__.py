@@ -28,3 +28,8 @@ ANSWERS.add(
     "the verdict of contact states in turn and along the ways between them, the first failure named",
     f"{_HERE}.keyframes:ANSWER",
 )
+ANSWERS.add(
+    "following_region",
+    "how far the centre of mass goes along rays while the posture follows, and what stops it there",
+    f"{_HERE}.following_region:ANSWER",
+)
