@@ -15,7 +15,7 @@ from torque_oracles import FOUR, INF, braced, full_jacobian, generalised_gravity
 
 import socp_statics as ss
 from socp_statics.cones.choice import ConeChoice
-from socp_statics.engines.kernel.support_rows import support_rows
+from socp_statics.engines.kernel.support_rows import point_rows, support_rows
 from socp_statics.postures import pose
 from socp_statics.regions.limited_tracing import trace_limited
 from socp_statics.regions.polygon import distance
@@ -217,6 +217,23 @@ print(region.kind, region.solves, region.inner_area, region.com_margin)
         found.append(done.stdout.split())
     assert found[0][:2] == found[1][:2] and found[0][0] == "polygon"
     assert [float(v) for v in found[0][2:]] == pytest.approx([float(v) for v in found[1][2:]], rel=1e-7)
+
+
+def test_rows_from_points_are_those_of_the_assembled_stance(hoap2):
+    rng = np.random.default_rng(5)
+    push = ss.ExternalWrench((4.0, -3.0, 2.0), (0.1, 0.0, -0.2), (0.1, 0.0, 0.3), link="RARM_LINK4")
+    smooth = pose(hoap2, generate("squat", hoap2, knee=1.2).angles, FOUR[:2], friction={"left_foot": 0.0, "right_foot": 0.4})
+    for posture in (generate("squat", hoap2), braced(hoap2, rng), smooth):
+        for loads, gravity in (((), None), ((push,), (0.6, -0.4, -9.7))):
+            stance = posture.stance(gravity, loads, ASYMMETRIC)
+            for cone in CONES:
+                one = point_rows(stance, region_question(stance, 0.0, None, None, (), False).load(), cone)
+                two = support_rows(assemble(stance), cone)
+                for name, mine, theirs in zip(one._fields, one, two, strict=True):
+                    if np.asarray(mine).dtype.kind == "f":
+                        assert mine == pytest.approx(theirs, rel=1e-10, abs=1e-12), name
+                    else:
+                        assert np.array_equal(mine, theirs), name
 
 
 def test_rows_of_a_kind_of_contacts_are_made_once(hoap2):

@@ -82,7 +82,7 @@ class LimitedWitnesses:
     """Of the compiled tracer of stances with limits.
 
     Args:
-        data: The arrays of the stance.
+        stance: The stance that was traced.
         unknowns: Forces at each inner corner, shape (k, nx).
         multipliers: Of each outer edge: velocity (3), rate of turning about the direction of gravity, rates of the limited joints, of
             bounded contacts; at the end, unit normal (2) and offset. Scaled.
@@ -90,8 +90,13 @@ class LimitedWitnesses:
         joints: Indices of the limited joints.
     """
 
-    def __init__(self, data: StaticsData, unknowns: Array, multipliers: Array, lift: Array, joints: NDArray[np.int_]):
-        self.data, self._unknowns, self._multipliers, self._lift, self._joints = data, unknowns, multipliers, lift, joints
+    def __init__(self, stance: Stance, unknowns: Array, multipliers: Array, lift: Array, joints: NDArray[np.int_]):
+        self._stance, self._unknowns, self._multipliers, self._lift, self._joints = stance, unknowns, multipliers, lift, joints
+
+    @cached_property
+    def data(self) -> StaticsData:
+        """The arrays of the stance."""
+        return assemble(self._stance)
 
     def forces(self) -> tuple[PointForces, ...]:
         """Balancing forces for each inner corner."""

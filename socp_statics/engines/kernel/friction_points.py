@@ -127,6 +127,19 @@ def pad_lanes(X, cones):
 
 
 @inner
+def lifted(weight, lift):
+    """Write the pseudoinverse of the moments of a CoM displacement along x and y, shape (2, 3), then the direction of gravity."""
+    w0, w1, w2 = weight[0], weight[1], weight[2]
+    # Moments of unit displacements: e_x x w = (0, -w_z, w_y) and e_y x w = (w_z, 0, -w_x).
+    xx, yy, xy = w1 * w1 + w2 * w2, w0 * w0 + w2 * w2, -w0 * w1
+    det = xx * yy - xy * xy
+    lift[0, 0], lift[0, 1], lift[0, 2] = -xy * w2 / det, -yy * w2 / det, (yy * w1 + xy * w0) / det
+    lift[1, 0], lift[1, 1], lift[1, 2] = xx * w2 / det, xy * w2 / det, (-xy * w1 - xx * w0) / det
+    norm = math.sqrt(w0 * w0 + w1 * w1 + w2 * w2)
+    lift[2, 0], lift[2, 1], lift[2, 2] = w0 / norm, w1 / norm, w2 / norm
+
+
+@inner
 def prepare_support(X, points, load, weight, centre, size, lift, q, reference):
     """Rows and right-hand sides of the support direction program, ``E_i' y - L_i' d in K_i*``.
 
@@ -145,14 +158,7 @@ def prepare_support(X, points, load, weight, centre, size, lift, q, reference):
         q: Cost, shape (5,), written.
         reference: Written: position of the centre of mass when no contact force acts, scaled, shape (2,).
     """
-    w0, w1, w2 = weight[0], weight[1], weight[2]
-    # Moments of unit displacements: e_x x w = (0, -w_z, w_y) and e_y x w = (w_z, 0, -w_x).
-    xx, yy, xy = w1 * w1 + w2 * w2, w0 * w0 + w2 * w2, -w0 * w1
-    det = xx * yy - xy * xy
-    lift[0, 0], lift[0, 1], lift[0, 2] = -xy * w2 / det, -yy * w2 / det, (yy * w1 + xy * w0) / det
-    lift[1, 0], lift[1, 1], lift[1, 2] = xx * w2 / det, xy * w2 / det, (-xy * w1 - xx * w0) / det
-    norm = math.sqrt(w0 * w0 + w1 * w1 + w2 * w2)
-    lift[2, 0], lift[2, 1], lift[2, 2] = w0 / norm, w1 / norm, w2 / norm
+    lifted(weight, lift)
     q[0], q[1], q[2] = -load[0], -load[1], -load[2]
     q[3], q[4] = -(lift[2, 0] * load[3] + lift[2, 1] * load[4] + lift[2, 2] * load[5]), 0.0
     for i in range(2):

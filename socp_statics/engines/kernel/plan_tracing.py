@@ -131,9 +131,11 @@ def bound_of(A, start, column, value, b, h, q, x, y, z, off):
 @entry(
     "Tuple((int64[::1], float64[::1], float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1]))"
     "(int64, uint64[::1], float64[::1], float64[:,::1], int64[::1], int64[::1], float64[::1], int64, int64[::1], float64[::1], "
-    "float64[::1], float64[:,::1], float64[:,::1], float64[::1], float64, int64)"
+    "float64[::1], float64[:,::1], float64[:,::1], float64[::1], float64, float64, float64, float64, int64)"
 )
-def trace_plan(address, W, F, A, start, column, value, orthant, soc, b, h, wrench_map, position, com, tolerance, most):
+def trace_plan(
+    address, W, F, A, start, column, value, orthant, soc, b, h, wrench_map, position, origin, size, com_x, com_y, tolerance, most
+):
     """Trace the support region of a stance.
 
     Args:
@@ -151,24 +153,28 @@ def trace_plan(address, W, F, A, start, column, value, orthant, soc, b, h, wrenc
         h: Right-hand side of the cone rows.
         wrench_map: Wrenches of unit forces, shape (6, nx).
         position: ``[C r]``, shape (2, n + 1).
-        com: Position of the centre of mass, nan where no margin is asked for, shape (2,).
+        origin: Mean contact point, shape (3,) [m].
+        size: Largest distance between contact points [m].
+        com_x: Position of the centre of mass along x, nan where no margin is asked for [m].
+        com_y: Along y [m].
         tolerance: Of (outer area - inner area) / outer area.
         most: Number of directions that may be asked.
 
     Returns:
-        What the region is (POLYGON, or why this tracer does not say) and number of programs, shape (2,); relative gap, CoM margin, inner
-        and outer area, shape (4,). Inner corners, shape (k, 2), and their unknowns, (k, n). Outer corners, (m, 2), and of each outer
-        edge multipliers of the equality rows, unit normal and offset, (m, p + 3). All scaled, like the arguments.
+        What the region is (POLYGON, or why this tracer does not say) and number of programs, shape (2,); relative gap, CoM margin [m],
+        inner and outer area [m^2], shape (4,). Inner corners, shape (k, 2) [m], and their unknowns, scaled, (k, n). Outer corners, (m, 2)
+        [m], and of each outer edge multipliers of the equality rows, scaled, unit normal and offset [m], (m, p + 3).
     """
     n, p = len(position[0]) - 1, len(b)
     nodes, ints, corners, front = np.empty((most, NODE)), np.empty((4, most), np.int64), np.empty((most, 2)), np.empty(FRONT)
     forces, motions = np.empty((most, n)), np.empty((most, p))
     q, z, s, off = np.empty(n), np.empty(len(h)), np.empty(len(h)), np.empty(n)
     kind, count, k, m, gap, area, outer_area = RANK, begin_front(front), 0, 0, 1.0, 0.0, 0.0
+    x0, y0 = (com_x - origin[0]) / size, (com_y - origin[1]) / size
     if reaches_all(wrench_map, np.empty((6, 6))):
         kind = ASK
     while kind == ASK:
-        kind, i, dx, dy = next_direction(front, nodes, ints, count, tolerance, com[0], com[1])
+        kind, i, dx, dy = next_direction(front, nodes, ints, count, tolerance, x0, y0)
         if kind != ASK:
             break
         x, y, node = forces[count], motions[count], nodes[count]
@@ -193,13 +199,15 @@ def trace_plan(address, W, F, A, start, column, value, orthant, soc, b, h, wrenc
     inner_xy, held, outer_xy, moving = np.empty((k, 2)), np.empty((k, n)), np.empty((m, 2)), np.empty((m, p + 3))
     for a in range(k):
         i = ints[KEEP, a]
-        inner_xy[a, 0], inner_xy[a, 1] = nodes[i, CX], nodes[i, CY]
+        inner_xy[a, 0], inner_xy[a, 1] = origin[0] + size * nodes[i, CX], origin[1] + size * nodes[i, CY]
         for j in range(n):
             held[a, j] = forces[i, j]
     for a in range(m):
         i = ints[USED, a]
-        outer_xy[a, 0], outer_xy[a, 1] = corners[a, 0], corners[a, 1]
+        outer_xy[a, 0], outer_xy[a, 1] = origin[0] + size * corners[a, 0], origin[1] + size * corners[a, 1]
         for j in range(p):
             moving[a, j] = motions[i, j]
-        moving[a, p], moving[a, p + 1], moving[a, p + 2] = nodes[i, DX], nodes[i, DY], nodes[i, BOUND]
-    return np.array([kind, count]), np.array([gap, front[MARGIN], area, outer_area]), inner_xy, held, outer_xy, moving
+        moving[a, p], moving[a, p + 1] = nodes[i, DX], nodes[i, DY]
+        moving[a, p + 2] = nodes[i, DX] * origin[0] + nodes[i, DY] * origin[1] + size * nodes[i, BOUND]
+    numbers = np.array([gap, size * front[MARGIN], size * size * area, size * size * outer_area])
+    return np.array([kind, count]), numbers, inner_xy, held, outer_xy, moving
