@@ -37,6 +37,7 @@ _HOMES = {
     "minimise_largest_wrench": "optimization",
     "largest_payload": "optimization",
     "largest_push": "optimization",
+    "minimise_largest_force_many": "optimization",
     "Robot": "robots",
     "ContactFrame": "robots",
     "load_robot": "robots",
@@ -84,6 +85,7 @@ if TYPE_CHECKING:
     from socp_statics.following import trace_following_region as trace_following_region
     from socp_statics.optimization import largest_payload as largest_payload
     from socp_statics.optimization import largest_push as largest_push
+    from socp_statics.optimization import minimise_largest_force_many as minimise_largest_force_many
     from socp_statics.optimization import minimise_largest_wrench as minimise_largest_wrench
     from socp_statics.optimization import minimise_torque_use as minimise_torque_use
     from socp_statics.optimization import optimise_contact_forces as optimise_contact_forces

@@ -7,9 +7,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from socp_statics.certificates import force_residuals
 from socp_statics.cones.choice import ConeChoice, cone_choice
+from socp_statics.contacts import Stance
 from socp_statics.contacts.numbers import scalar
 from socp_statics.contacts.stance import stance_of
+from socp_statics.engines import compiled_first
 from socp_statics.engines.engine import Engine
 from socp_statics.engines.solution import SOLVED, Solution
 from socp_statics.exceptions import InputError
@@ -17,7 +20,8 @@ from socp_statics.models.contact_forces_set import ForceShape, force_shape, forc
 from socp_statics.models.equilibrium import MODEL as EQUILIBRIUM
 from socp_statics.models.minimax_wrench import MODEL, MinimaxShape
 from socp_statics.models.program import ConicModel
-from socp_statics.optimization.force_answer import ForceAnswer, answer_of, infeasible, settled
+from socp_statics.optimization.compiled_minimax import COUNTS, compiled_minimax
+from socp_statics.optimization.force_answer import ACCEPTED, ForceAnswer, answer_of, infeasible, settled
 from socp_statics.optimization.force_rows import force_rows, groups, normal_row, slipping, tangential_rows, wrench_rows
 from socp_statics.spatial import Array
 from socp_statics.stability import EquilibriumAnswer, check_equilibrium
@@ -139,7 +143,14 @@ def minimise_largest_wrench(
     question = _Question(data, choice, form, engine, measure, what, equilibrium)
     if not question.what.groups and not len(question.what.scaled):
         return question.nothing_to_measure()
-    return question.least_friction_use() if measure == "friction_use" else question.minimax()
+    if measure == "friction_use":
+        return question.least_friction_use()
+    of_points = measure in COUNTS and (level == "point" or len(data.contact_of_point) == len(data.names))
+    if of_points and choice.is_exact and compiled_first(engine, form):
+        answer = question.compiled(stance)
+        if answer is not None:
+            return answer
+    return question.minimax()
 
 
 class _Question:
@@ -175,6 +186,14 @@ class _Question:
         """No contact has what the measure looks at: any balancing forces will do."""
         e = self.equilibrium
         return ForceAnswer("solved", 0.0, e.forces, e.residuals, e.engine, e.handovers, e, e.torques)
+
+    def compiled(self, stance: Stance) -> ForceAnswer | None:
+        """The kernel's program for the points of a stance, None where it does not apply or its answer does not check."""
+        found = compiled_minimax(stance, self.data, self.measure)
+        if found is None or max(force_residuals(self.data, self.cone, found.x)) > ACCEPTED:
+            return None
+        W = self.data.units.force
+        return answer_of(self.data, self.cone, found.x, "solved", found.value * W, found.gap, "kernel", 0, self.equilibrium)
 
     def minimax(self) -> ForceAnswer:
         """The measures that are convex in forces and level together."""

@@ -35,7 +35,7 @@ class Effort:
     seconds: float = 2.0
     directions: int = 1000
     coms: int = 1000
-    forces: int = 10
+    forces: int = 250
     growth_points: tuple[int, ...] = GROWTH_POINTS
     growth_coms: int = 256
     copies: int = 8
@@ -57,7 +57,7 @@ def quick() -> Effort:
         seconds=0.1,
         directions=100,
         coms=100,
-        forces=2,
+        forces=25,
         growth_points=(3, 8, 16, 32, 64),
         growth_coms=100,
         copies=4,

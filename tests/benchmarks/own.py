@@ -19,7 +19,7 @@ from socp_statics.regions.directions import Directions, com_plane
 
 SOLVERS = {"kernel": "own interior point", "clarabel": "Clarabel, compiled engine"}
 CONE = "second-order cones"
-MOST = {"direction": 100, "verdict": 50}
+MOST = {"direction": 100, "verdict": 50, "minimax": 10}
 
 # The public function for single directions; everything from the contacts on is inside it.
 KERNEL_DIRECTIONS = ("socp_statics.regions.support_function", "support_function")
@@ -107,11 +107,21 @@ def _single_verdicts(engine: str, case: Case) -> Trial:
     return Trial(run, answer, case.stance, len(coms))
 
 
-def _forces(engine: str, case: Case) -> Trial:
-    def run(contacts: ss.ContactSet) -> list[Any]:
-        return [ss.minimise_largest_wrench(ss.Stance(contacts, com, MASS), "force", "point", engine=engine) for com in case.coms]
+def _many_forces(case: Case) -> Trial:
+    def run(contacts: ss.ContactSet) -> Any:
+        answers = ss.minimise_largest_force_many(contacts, case.coms, mass=MASS, engine="kernel")
+        return answers.objective, answers.forces
 
-    return Trial(run, lambda found: np.array([a.objective for a in found]), case.stance, len(case.coms))
+    return Trial(run, lambda found: found[0], case.stance, len(case.coms))
+
+
+def _single_forces(engine: str, case: Case) -> Trial:
+    coms = case.coms[: MOST["minimax"]]
+
+    def run(contacts: ss.ContactSet) -> list[Any]:
+        return [ss.minimise_largest_wrench(ss.Stance(contacts, com, MASS), "force", "point", engine=engine) for com in coms]
+
+    return Trial(run, lambda found: np.array([a.objective for a in found]), case.stance, len(coms))
 
 
 def ways(question: str) -> list[Way]:
@@ -131,5 +141,6 @@ def ways(question: str) -> list[Way]:
         return [Way("kernel", of, CONE, _many_verdicts, missing=function_missing("check_equilibrium_many")),
                 Way("kernel, one by one", of, CONE, partial(_single_verdicts, "kernel"), missing=kernel_missing()),
                 Way("Clarabel compiled", clarabel, CONE, partial(_single_verdicts, "clarabel"))]  # fmt: skip
-    return [Way("kernel", of, CONE, partial(_forces, "kernel"), missing=programs_missing()),
-            Way("Clarabel compiled", clarabel, CONE, partial(_forces, "clarabel"))]  # fmt: skip
+    return [Way("kernel", of, CONE, _many_forces, missing=function_missing("minimise_largest_force_many")),
+            Way("kernel, one by one", of, CONE, partial(_single_forces, "kernel"), missing=programs_missing()),
+            Way("Clarabel compiled", clarabel, CONE, partial(_single_forces, "clarabel"))]  # fmt: skip

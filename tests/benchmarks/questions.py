@@ -115,9 +115,8 @@ def minimax_cases(stances: Sequence[BenchmarkStance], count: int) -> list[Case]:
     """Stable centres of mass."""
     cases = []
     for s in stances:
-        contacts = s.contacts()
-        stable = [c for c in s.coms(4 * count) if ss.check_equilibrium(contacts, c, MASS, engine=REFERENCE).stable]
-        cases.append(Case(s.name, s.contacts, s, coms=np.array(stable[:count])))
+        coms = s.coms(4 * count)
+        cases.append(Case(s.name, s.contacts, s, coms=coms[ss.check_equilibrium_many(s.contacts(), coms, mass=MASS).stable][:count]))
     return cases
 
 

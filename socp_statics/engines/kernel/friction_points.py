@@ -113,6 +113,18 @@ def scaled_load(load13, centre, size, load, pull):
 
 
 @inner
+def wrench_at_com(load13, centre, size, load):
+    """Impressed wrench about the centre with the centre of mass where it is, scaled; written."""
+    force = load13[9]
+    x, y, z = (load13[10] - centre[0]) / size, (load13[11] - centre[1]) / size, (load13[12] - centre[2]) / size
+    g0, g1, g2 = load13[0] / force, load13[1] / force, load13[2] / force
+    load[0], load[1], load[2] = g0 + load13[3] / force, g1 + load13[4] / force, g2 + load13[5] / force
+    load[3] = y * g2 - z * g1 + load13[6] / (force * size)
+    load[4] = z * g0 - x * g2 + load13[7] / (force * size)
+    load[5] = x * g1 - y * g0 + load13[8] / (force * size)
+
+
+@inner
 def pad_lanes(X, cones):
     """Fill the lanes behind the last cone of the last vector: zero rows, slack (1, 0, 0)."""
     for k in range(cones, (cones + PADDING - 1) // PADDING * PADDING):

@@ -14,7 +14,7 @@ import numpy as np
 from socp_statics.engines.kernel.active_set import EQUATION, classify, optimum
 from socp_statics.engines.kernel.compilation import entry, inner
 from socp_statics.engines.kernel.five_unknowns import INFEASIBLE, NEW, SOLVED, solve
-from socp_statics.engines.kernel.friction_points import centre_and_size, full_rank, pad_lanes, unit_wrench
+from socp_statics.engines.kernel.friction_points import centre_and_size, full_rank, pad_lanes, unit_wrench, wrench_at_com
 from socp_statics.engines.kernel.lanes import RHS, ROW1, S, U, buffer_size, lane, padded
 from socp_statics.engines.kernel.normal_matrix import factor
 from socp_statics.engines.kernel.starting_point import normal_matrix_of_rows
@@ -235,14 +235,7 @@ def reserves(points, starts, items, loads):
                 for k in range(n):
                     forces[at + k, 0], forces[at + k, 1], forces[at + k, 2] = 0.0, 0.0, 0.0
             else:
-                w = loads[b]
-                force = w[9]
-                x, y, z = (w[10] - centre[0]) / size, (w[11] - centre[1]) / size, (w[12] - centre[2]) / size
-                g0, g1, g2 = w[0] / force, w[1] / force, w[2] / force
-                load[0], load[1], load[2] = g0 + w[3] / force, g1 + w[4] / force, g2 + w[5] / force
-                load[3] = y * g2 - z * g1 + w[6] / (force * size)
-                load[4] = z * g0 - x * g2 + w[7] / (force * size)
-                load[5] = x * g1 - y * g0 + w[8] / (force * size)
+                wrench_at_com(loads[b], centre, size, load)
                 kinds[b], margins[b], _ = reserve(
                     X, mine, wrenches, a, N, factors, load, q, states, equations, guess, u, motions[b], forces[at : at + n]
                 )
