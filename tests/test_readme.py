@@ -51,7 +51,8 @@ def test_the_ten_line_program_runs(tmp_path, monkeypatch, capsys):
 
 def test_the_batch_program_runs(capsys):
     exec(compile(blocks("python")[1], "README", "exec"), {})  # noqa: S102
-    verdicts, regions = capsys.readouterr().out.splitlines()
+    verdicts, largest, regions = capsys.readouterr().out.splitlines()
+    assert 60.0 * 9.81 / 8 <= float(largest.split()[0]) <= 60.0 * 9.81
     assert 0.1 < float(verdicts.split()[0]) < 0.9
     assert float(regions.split()[0]) > 0.05
 
