@@ -14,6 +14,7 @@ from socp_statics.engines.kernel.arrow_lanes import (
     HOLD_SCALING,
     HOLD_STEP,
     LAST,
+    LEAN,
     NEXT,
     NORMAL,
     PIVOTS,
@@ -36,9 +37,10 @@ STILL = 1e-150
 def eliminate(X, points):
     """Factors of each point's 3 x 3 block and what it leaves; returns the ceiling's own term.
 
-    The block is ``W^-2`` of the friction cone and that of the ceiling's on the force. It is formed along the axes of the friction
-    cone's scaling, on which ``W^-2`` is diagonal: small eigenvalues, those of forces that may grow, do not drown in large ones.
-    The ceiling's term after elimination is its quadratic form at the force that follows it best, for the same reason.
+    The block is ``W^-2`` of the friction cone and that of the ceiling's on the force. It is formed along axes that keep its small
+    eigenvalues from drowning in its large ones: those of the friction cone's scaling, on which its ``W^-2`` is diagonal, where
+    friction is the stiffer, else normal and friction. The ceiling's term is its quadratic form at the force that follows it best,
+    for the same reason.
     """
     ceiling = 0.0
     o, left = U(0), points
@@ -55,20 +57,24 @@ def eliminate(X, points):
             over = 1.0 / (slide if moves else 1.0)
             c, s = (w1 * over if moves else 1.0), w2 * over
             square = (w0 + slide) * (w0 + slide)
-            a0, a1 = e * square, e / square
             ahead, aside = c * u2 + s * u3, c * u3 - s * u2
-            q0, q1, q2 = HALF * (n * u1 - m * ahead), HALF * (n * u1 + m * ahead), m * aside
-            both, differ = 0.5 * (n * n + m * m), 0.5 * (n * n - m * m)
-            h00, h10, h20 = a0 + b * (2.0 * q0 * q0 + both), b * (2.0 * q0 * q1 + differ), b * 2.0 * q0 * q2
-            h11, h21 = a1 + b * (2.0 * q1 * q1 + both), b * 2.0 * q1 * q2
-            h22 = e + b * (2.0 * q2 * q2 + m * m)
+            f0, f1, q2 = n * u1, m * ahead, m * aside
+            leans = e * square > 2.0 * b * (f0 * f0 + f1 * f1)
+            x, y = (HALF, HALF) if leans else (1.0, 0.0)
+            a00 = e * square if leans else e * (2.0 * w0 * w0 - 1.0)
+            a10 = 0.0 if leans else -2.0 * e * w0 * slide
+            a11 = e / square if leans else e * (2.0 * slide * slide + 1.0)
+            q0, q1 = x * f0 - y * f1, y * f0 + x * f1
+            h00, h10 = a00 + b * (2.0 * q0 * q0 + x * x * n * n + y * y * m * m), a10 + b * (2.0 * q0 * q1 + x * y * (n * n - m * m))
+            h11 = a11 + b * (2.0 * q1 * q1 + y * y * n * n + x * x * m * m)
+            h20, h21, h22 = 2.0 * b * q0 * q2, 2.0 * b * q1 * q2, e + b * (2.0 * q2 * q2 + m * m)
             i0 = 1.0 / h00
             l10, l20 = h10 * i0, h20 * i0
             i1 = 1.0 / max(h11 - l10 * h10, PIVOT * h11)
             c21 = h21 - l20 * h10
             l21 = c21 * i1
             i2 = 1.0 / max(h22 - l20 * h20 - l21 * c21, PIVOT * h22)
-            X[a + HEADING], X[a + HEADING + S] = c, s
+            X[a + HEADING], X[a + HEADING + S], X[a + LEAN], X[a + LEAN + S] = c, s, x, y
             X[a + FACTORS], X[a + FACTORS + S], X[a + FACTORS + S2] = l10, l20, l21
             X[a + PIVOTS], X[a + PIVOTS + S], X[a + PIVOTS + S2] = i0, i1, i2
             v = -2.0 * b * u0
@@ -80,23 +86,23 @@ def eliminate(X, points):
             x2 = -g2 * i2
             x1 = -g1 * i1 - l21 * x2
             x0 = -g0 * i0 - l10 * x1 - l20 * x2
-            d0, d1, d2 = n * HALF * (x0 + x1), m * HALF * (x1 - x0), m * x2
+            d0, d1, d2 = n * (x * x0 + y * x1), m * (x * x1 - y * x0), m * x2
             length = math.sqrt(u1 * u1 + u2 * u2 + u3 * u3)
             along = (u1 * d0 + ahead * d1 + aside * d2) / max(length, STILL)
             k2 = (u0 + length) * (u0 + length)
             apart, with_it = 1.0 - along, 1.0 + along
             across = max(d0 * d0 + d1 * d1 + d2 * d2 - along * along, 0.0)
             own = b * (0.5 * (k2 * apart * apart + with_it * with_it / k2) + across)
-            ceiling += own + a0 * x0 * x0 + a1 * x1 * x1 + e * x2 * x2
+            ceiling += own + a00 * x0 * x0 + 2.0 * a10 * x0 * x1 + a11 * x1 * x1 + e * x2 * x2
         for i in range(6):
             g = o + U(i) * S
             for k in range(count):
                 a, at = g + k, o + k
                 g0, g1, g2 = X[a + WRENCH], X[a + WRENCH + WRENCHES], X[a + WRENCH + WRENCHES + WRENCHES]
-                c, s = X[at + HEADING], X[at + HEADING + S]
+                c, s, x, y = X[at + HEADING], X[at + HEADING + S], X[at + LEAN], X[at + LEAN + S]
                 ahead = c * g1 + s * g2
-                v0 = HALF * (g0 - ahead)
-                v1 = HALF * (g0 + ahead) - X[at + FACTORS] * v0
+                v0 = x * g0 - y * ahead
+                v1 = y * g0 + x * ahead - X[at + FACTORS] * v0
                 X[a + REDUCED] = v0
                 X[a + REDUCED + NEXT] = v1
                 X[a + REDUCED + LAST] = c * g2 - s * g1 - X[at + FACTORS + S] * v0 - X[at + FACTORS + S2] * v1
@@ -152,9 +158,9 @@ def condense(X, points, keep, r):
             r0 = X[a + GRIP_STEP] + n * X[a + HOLD_STEP + S] - keep * X[a + RESIDUAL]
             r1 = X[a + GRIP_STEP + S] + m * X[a + HOLD_STEP + S2] - keep * X[a + RESIDUAL + S]
             r2 = X[a + GRIP_STEP + S2] + m * X[a + HOLD_STEP + S3] - keep * X[a + RESIDUAL + S2]
-            ahead = c * r1 + s * r2
-            v0 = HALF * (r0 - ahead)
-            v1 = HALF * (r0 + ahead) - X[a + FACTORS] * v0
+            x, y, ahead = X[a + LEAN], X[a + LEAN + S], c * r1 + s * r2
+            v0 = x * r0 - y * ahead
+            v1 = y * r0 + x * ahead - X[a + FACTORS] * v0
             X[a + SIDE], X[a + SIDE + S] = v0, v1
             X[a + SIDE + S2] = c * r2 - s * r1 - X[a + FACTORS + S] * v0 - X[a + FACTORS + S2] * v1
             held += X[a + HOLD_STEP]
@@ -187,12 +193,12 @@ def expand(X, points, x):
                 X[v + S2 + k] -= X[g + LAST + k] * x_i
         for k in range(count):
             a = o + k
-            c, s = X[a + HEADING], X[a + HEADING + S]
+            c, s, p, q = X[a + HEADING], X[a + HEADING + S], X[a + LEAN], X[a + LEAN + S]
             x2 = X[a + SIDE + S2] * X[a + PIVOTS + S2]
             x1 = X[a + SIDE + S] * X[a + PIVOTS + S] - X[a + FACTORS + S2] * x2
             x0 = X[a + SIDE] * X[a + PIVOTS] - X[a + FACTORS] * x1 - X[a + FACTORS + S] * x2
-            ahead = HALF * (x1 - x0)
-            X[a + FORCE_STEP] = HALF * (x0 + x1)
+            ahead = p * x1 - q * x0
+            X[a + FORCE_STEP] = p * x0 + q * x1
             X[a + FORCE_STEP + S] = c * ahead - s * x2
             X[a + FORCE_STEP + S2] = s * ahead + c * x2
         left -= count

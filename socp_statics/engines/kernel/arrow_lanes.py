@@ -16,12 +16,13 @@ FORCE, GRIP, HOLD = U(41 * WIDTH), U(44 * WIDTH), U(47 * WIDTH)
 FORCE_STEP, GRIP_STEP, HOLD_STEP = U(51 * WIDTH), U(54 * WIDTH), U(57 * WIDTH)
 # Scaling points of both cones, each followed by eta^-2.
 GRIP_SCALING, HOLD_SCALING = U(61 * WIDTH), U(65 * WIDTH)
-# Direction of friction in the scaling; factors L; one over the pivots; right-hand side; residual.
-HEADING = U(70 * WIDTH)
-FACTORS, PIVOTS = U(72 * WIDTH), U(75 * WIDTH)
-SIDE, RESIDUAL = U(78 * WIDTH), U(81 * WIDTH)
-REACH = U(84 * WIDTH)
-FIELDS = 85
+# Axes of a point's block: direction of friction, and how far they lean from normal and friction; factors L and one over the pivots
+# of the block; right-hand side; residual.
+HEADING, LEAN = U(70 * WIDTH), U(72 * WIDTH)
+FACTORS, PIVOTS = U(74 * WIDTH), U(77 * WIDTH)
+SIDE, RESIDUAL = U(80 * WIDTH), U(83 * WIDTH)
+REACH = U(86 * WIDTH)
+FIELDS = 87
 BLOCK = U(FIELDS * WIDTH)
 # From one component to the next.
 WRENCHES, NEXT, LAST = U(6 * WIDTH), U(7 * WIDTH), U(14 * WIDTH)
