@@ -22,8 +22,10 @@ def _kernel() -> tuple[Any, ...]:
     from socp_statics.engines.kernel import conic
     from socp_statics.engines.kernel.plan_tracing import trace_plan
     from socp_statics.engines.kernel.refinement import POLYGON, most_directions
+    from socp_statics.engines.kernel.side_by_side import load_side_by_side
     from socp_statics.engines.kernel.support_rows import point_rows, support_rows
 
+    load_side_by_side((trace_plan, conic.prepare, conic.solve))
     return conic, trace_plan, point_rows, support_rows, most_directions, POLYGON
 
 

@@ -6,6 +6,7 @@ cache (`disk_cache`). Importing a module of the kernel compiles nothing.
 
 from __future__ import annotations
 
+import gc
 import hashlib
 import sys
 import threading
@@ -143,13 +144,27 @@ class Entry:
         dispatcher = numba.njit(**self._options)(self.py_func)
         if numba.config.DISABLE_JIT:
             return dispatcher
+        dispatcher._cache = self._cache()
+        # The compiler makes millions of objects that live on; looking through them for garbage is an eighth of its time.
+        collecting = gc.isenabled()
+        gc.disable()
+        try:
+            dispatcher.compile(self.signature)
+        finally:
+            if collecting:
+                gc.enable()
+        dispatcher.disable_compile()
+        return dispatcher
+
+    def _cache(self) -> DiskCache:
         package, _, module = self.__module__.rpartition(".")
         unique = f"{self.__module__} {self.py_func.__code__.co_firstlineno} {self.signature}"
         name = f"{module}.{self.__qualname__}-{hashlib.sha256(unique.encode()).hexdigest()[:10]}"
-        dispatcher._cache = DiskCache(name, self._source, package, _notice.begin)
-        dispatcher.compile(self.signature)
-        dispatcher.disable_compile()
-        return dispatcher
+        return DiskCache(name, self._source, package, _notice.begin)
+
+    def kept(self) -> bool:
+        """Whether the function is compiled already, in this process or on disk, or never will be."""
+        return self._call != self._first or numba.config.DISABLE_JIT or self._cache().found()
 
 
 def inner(function: Callable[..., Any] | None = None, **options: Any) -> Any:
@@ -189,19 +204,37 @@ def entry(signature: str, **options: Any) -> Callable[[Callable[..., Any]], Entr
     return lambda function: Entry(function, signature, {**OPTIONS, **options})
 
 
+def compiling() -> _Notice:
+    """A context for several entries that a terminal is told of as one."""
+    return _notice
+
+
+def entries_of(package: str) -> tuple[Entry, ...]:
+    """Every entry of a package, its modules imported.
+
+    Args:
+        package: Name of the package.
+    """
+    for module in iter_modules(import_module(package).__path__, f"{package}."):
+        if module.name.rpartition(".")[2] not in WITHOUT_ENTRIES:
+            import_module(module.name)
+    return tuple(one for one in _entries if one.__module__.startswith(f"{package}."))
+
+
 def compile_all(package: str = PACKAGE) -> None:
     """Compile every entry of a package now, or load it from the cache, for callers that want to pay up front.
 
     Args:
         package: Name of the package; by default the kernel.
     """
-    for module in iter_modules(import_module(package).__path__, f"{package}."):
-        if module.name.rpartition(".")[2] not in WITHOUT_ENTRIES:
-            import_module(module.name)
-    with _lock, _notice:
-        for one in tuple(_entries):
-            if one.__module__.startswith(f"{package}."):
-                one.load()
+    from socp_statics.engines.kernel.side_by_side import load_side_by_side
+
+    load_side_by_side(entries_of(package))
+
+
+def entry_folder(one: Entry) -> Path | None:
+    """The folder that holds an entry, or will; None when no place can be written."""
+    return folder_of(one._source, one.__module__.rpartition(".")[0])
 
 
 def cache_folder() -> Path | None:

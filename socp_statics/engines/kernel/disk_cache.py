@@ -216,6 +216,10 @@ class DiskCache:
         """The folder that is tried first."""
         return str(self.places[0] / self.folder) if self.places else None
 
+    def found(self) -> bool:
+        """Whether a place holds a copy, sound or not."""
+        return any((place / self.folder / self.name).is_file() for place in self.places)
+
     def load_overload(self, signature: Any, target: Any) -> CompileResult | None:
         """The compiled function, or None when no place holds a sound copy.
 

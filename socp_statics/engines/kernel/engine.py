@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import ArrayLike
 from socp_statics.engines.conic_form import ConicData, ConicForm
 from socp_statics.engines.conic_session import ACCEPTED, ConicEngine, ConicSession, ConicSolution
 from socp_statics.engines.kernel import conic
+from socp_statics.engines.kernel.side_by_side import load_side_by_side
 from socp_statics.engines.solution import FAILED, INFEASIBLE, SOLVED, UNBOUNDED
 from socp_statics.exceptions import EngineError
 from socp_statics.models.program import ConicModel
@@ -27,11 +29,18 @@ ANSWERS = {
 }
 
 
+@cache
+def _compile_once() -> None:
+    """Both entries at the same time, where they are not on disk."""
+    load_side_by_side((conic.prepare, conic.solve))
+
+
 class Session(ConicSession):
     """One instance of a program, prepared for many solves."""
 
     def __init__(self, form: ConicForm, values: Mapping[str, ArrayLike]):
         super().__init__(form, values)
+        _compile_once()
         zero, A = form.cones.zero, self.data.A
         self._soc = np.array(form.cones.soc, dtype=np.int64)
         self._right = np.empty(form.columns), np.empty(zero), np.empty(form.rows - zero)
