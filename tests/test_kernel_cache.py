@@ -1,7 +1,6 @@
 """The kernel's machine code on disk: kept, found again, never trusted, never in the way."""
 
 import hashlib
-import json
 import os
 import pickle
 import shutil
@@ -13,65 +12,9 @@ from pathlib import Path
 import llvmlite.binding
 import numba
 import pytest
+from toy_package import CALL, ROOT, SMALL, finish, run, start, write_toy
 
 from socp_statics.engines.kernel import compilation, disk_cache
-
-ROOT = Path(__file__).parents[1]
-SMALL = """
-from socp_statics.engines.kernel.compilation import inner
-
-@inner
-def scaled(x):
-    return 2.0 * x
-"""
-WORK = """
-from socp_statics.engines.kernel.compilation import entry
-from toy.small import scaled
-
-@entry("float64(float64, int64)")
-def total(x, n):
-    s = 0.0
-    for i in range(n):
-        s += scaled(x)
-    return s
-
-@entry("int64(int64)")
-def next_one(n):
-    return n + 1
-"""
-# The package of the engines imports cvxpy, which takes longer than everything here; a bare one in its place does as well.
-PRELUDE = f"""
-import json, os, sys, types
-from pathlib import Path
-bare = types.ModuleType("socp_statics.engines")
-bare.__path__ = [{str(ROOT / "socp_statics" / "engines")!r}]
-sys.modules[bare.__name__] = bare
-from toy.work import total, next_one
-from socp_statics.engines.kernel import disk_cache
-from socp_statics.engines.kernel.compilation import OPTIONS, Entry
-
-def anew():
-    "Call an entry made anew, which looks for its file as a new process does."
-    again = Entry(total.py_func, total.signature, OPTIONS)
-    assert again(7.0, 1) == 14.0
-    return "found" if again.load().stats.cache_hits else "compiled"
-
-def tell(value=None):
-    entries = [one for one in (total, next_one) if hasattr(one._call, "stats")]
-    count = lambda what: sum(sum(getattr(one._call.stats, what).values()) for one in entries)
-    print(json.dumps(dict(value=value, found=count("cache_hits"), compiled=count("cache_misses"))))
-"""
-CALL = "tell(total(7.0, 1))"
-
-
-def write_toy(place):
-    """A package with two entries and an inner function in another file."""
-    folder = place / "toy"
-    folder.mkdir()
-    (folder / "__init__.py").touch()
-    (folder / "small.py").write_text(SMALL)
-    (folder / "work.py").write_text(WORK)
-    return folder
 
 
 @pytest.fixture
@@ -90,27 +33,6 @@ def compiled_once(tmp_path_factory):
 def warm_toy(tmp_path, compiled_once):
     """The package with its first entry in the cache, which a copy of the folder takes along."""
     return Path(shutil.copytree(compiled_once, tmp_path / "toy"))
-
-
-def start(toy, code=CALL, stderr=subprocess.PIPE, **environment):
-    clean = {name: value for name, value in os.environ.items() if not name.startswith(("SOCP_", "XDG_", "NUMBA_"))}
-    # A home of its own, so that a place that should not be used shows; and no bytecode, so that __pycache__ holds the kernel only.
-    home = toy.parent / "home"
-    home.mkdir(exist_ok=True)
-    stated = {"HOME": str(home), "PYTHONPATH": os.pathsep.join((str(ROOT), str(toy.parent))), "PYTHONDONTWRITEBYTECODE": "1"}
-    command = [sys.executable, "-c", PRELUDE + code]
-    every = {**clean, **stated, **environment}
-    return subprocess.Popen(command, env=every, stdout=subprocess.PIPE, stderr=stderr, text=True, cwd=toy.parent)
-
-
-def finish(process):
-    said, complaints = process.communicate(timeout=120)
-    assert process.returncode == 0, complaints
-    return json.loads(said.splitlines()[-1]), complaints
-
-
-def run(toy, code=CALL, **environment):
-    return finish(start(toy, code, **environment))
 
 
 def kept(place):
@@ -349,53 +271,6 @@ tell(anew())
     assert said[0] == "socp-statics: compiling the kernel for this machine, once; this takes about half a minute"
     assert said[1].startswith("socp-statics: compiled in ") and said[1].endswith(" s")
     assert terminal() == ({"value": "found", "found": 2, "compiled": 0}, [])
-
-
-MORE = """
-from socp_statics.engines.kernel.compilation import entry
-
-@entry("int64(int64)")
-def doubled(n):
-    return 2 * n
-"""
-SIDE_BY_SIDE = """
-from toy.more import doubled
-from socp_statics.engines.kernel import side_by_side
-children = []
-start = side_by_side._child
-side_by_side._child = lambda group: children.append(start(group)) or children[-1]
-shared = (("work",), ("more",))
-side_by_side.load_side_by_side((total, next_one, doubled), shared)
-hits = [bool(one.load().stats.cache_hits) for one in (total, next_one, doubled)]
-assert (total(7.0, 1), next_one(1), doubled(4)) == (14.0, 2, 8)
-tell([hits, [child.returncode for child in children]])
-"""
-
-
-def test_groups_of_entries_are_compiled_at_the_same_time(toy):
-    (toy / "more.py").write_text(MORE)
-    # One group here, the other by a process that leaves its code on disk; the next time everything is there and nothing is started.
-    cpus = {"PYTHONPATH": os.pathsep.join((str(ROOT), str(toy.parent)))}
-    first = run(toy, "os.cpu_count = lambda: 2\n" + SIDE_BY_SIDE, **cpus)[0]["value"]
-    assert first == [[False, False, True], [0]]
-    assert run(toy, "os.cpu_count = lambda: 2\n" + SIDE_BY_SIDE, **cpus)[0]["value"] == [[True, True, True], []]
-
-
-@pytest.mark.parametrize("why", ["one processor", "a child that fails"])
-def test_what_no_child_compiled_is_compiled_here(toy, why):
-    (toy / "more.py").write_text(MORE)
-    code = "os.cpu_count = lambda: 1\n" + SIDE_BY_SIDE
-    if why == "a child that fails":
-        code = "os.cpu_count = lambda: 2\nsys.executable = '/bin/false'\n" + SIDE_BY_SIDE
-    hits, codes = run(toy, code)[0]["value"]
-    assert hits == [False, False, False] and codes == ([1] if "child" in why else [])
-
-
-def test_every_module_with_entries_is_in_a_group():
-    from socp_statics.engines.kernel.side_by_side import SHARED
-
-    modules = {one.__module__.rpartition(".")[2] for one in compilation.entries_of(compilation.PACKAGE)}
-    assert modules == {name for names in SHARED for name in names}
 
 
 def test_interpreted_functions_work_too(toy):
