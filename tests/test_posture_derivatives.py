@@ -7,6 +7,7 @@ from torque_oracles import FOUR, braced, legs, random_load, random_posture
 
 import socp_statics as ss
 from socp_statics.exceptions import InputError
+from socp_statics.postures import GENERATORS
 from socp_statics.postures.moved import moved_posture, posture_on
 from socp_statics.robots import load_robot
 from socp_statics.statics.joint_torques import passive_torque
@@ -47,7 +48,7 @@ def along_tangent(function, posture, held=None):
         if held is None:
             return function(moved)
         placed = {c.name: c.placed(np.array(moved.contacts[c.name].position), c.rotation.copy(), c.friction) for c in held}
-        return function(posture_on(posture.robot, moved.q, posture.contacts, placed))
+        return function(posture_on(posture, moved.q, placed))
 
     columns = [(at(STEP * e) - at(-STEP * e)) / (2 * STEP) for e in np.eye(posture.robot.pin_model.nv)]
     return np.array(columns).T
@@ -86,7 +87,8 @@ class TestStaticDerivatives:
 
 
 def margin_of(limits, loads=()):
-    return lambda posture: ss.check_equilibrium(posture, torque_limits=limits, external_wrenches=loads, engine="clarabel").margin
+    # not the engine of the gradients, and far more exact than a difference over 1e-6 needs
+    return lambda posture: ss.check_equilibrium(posture, torque_limits=limits, external_wrenches=loads, engine="kernel").margin
 
 
 class TestMarginGradient:
@@ -188,6 +190,16 @@ class TestMovedPostures:
         for contact in posture.contacts:
             assert np.allclose(contact.position, again.contacts[contact.name].position, atol=1e-14)
             assert np.allclose(posture.jacobian[contact.name], again.jacobian[contact.name], atol=1e-14)
+
+    def test_what_the_robot_holds_stays_with_it(self, hoap2):
+        """The squeeze is felt by the arms after a motion as well, as the derivatives of its statics say."""
+        holding, rng = GENERATORS.load("hold_object")(hoap2, mass=1.0), np.random.default_rng(32)
+        assert moved_posture(holding, 0.01 * rng.normal(size=31)).loads == holding.loads and len(holding.loads) == 2
+        forces = rng.normal(0, 10, (2, 6))
+        world = np.array([np.kron(np.eye(2), c.rotation) @ F for c, F in zip(holding.contacts, forces, strict=True)])
+        ours = StaticDerivatives(holding.stance()).of(world)
+        numbers = along_tangent(lambda p: statics(p, (0, 0, -9.81), [], forces), holding)
+        assert np.abs(ours - numbers).max() < 1e-6 * max(1.0, np.abs(ours).max())
 
     def test_wrong_motions(self, hoap2):
         posture = random_posture(hoap2, np.random.default_rng(31), FOUR)

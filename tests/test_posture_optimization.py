@@ -3,6 +3,7 @@
 import json
 import time
 import tomllib
+from dataclasses import replace
 
 import cvxpy as cp
 import numpy as np
@@ -24,6 +25,7 @@ from socp_statics.postures.held_contacts import HeldContacts
 from socp_statics.postures.moved import moved_posture, posture_on
 from socp_statics.robots import load_robot
 from socp_statics.statics import assemble
+from socp_statics.statics.joint_torques import passive_torque
 
 PUSH = ss.ExternalWrench(force=[15, 0, 0], point=[0, -0.039, 0.35], link="BODY_LINK1")
 BENT = {f"{side}LEG_JOINT{k}": angle for side in "LR" for k, angle in ((3, -0.2), (4, 0.3), (5, -0.1))}
@@ -156,7 +158,7 @@ def promised_gain(answer, held):
             riding = moved_posture(posture, sign * STEP * m)
             places = {c.name: riding.contacts[c.name] if c.name in held.sliding else c for c in posture.contacts}
             kept = {c.name: c.placed(np.array(places[c.name].position), np.array(c.rotation), c.friction) for c in posture.contacts}
-            near = posture_on(posture.robot, riding.q, posture.contacts, kept)
+            near = posture_on(posture, riding.q, kept)
             moved = assemble(type(stance)(near.contacts, near.com_W, stance.mass, stance.gravity, stance.external_wrenches, None, near,
                                           stance.torque_limits))  # fmt: skip
             units = moved.units
@@ -237,6 +239,17 @@ class TestFirstNothingHolds:
         assert answer.reason == "the support region is no bounded polygon" and not answer.local_optimum
 
 
+class TestHeldObjects:
+    @pytest.mark.parametrize("objective", ["margin", "torque"])
+    def test_the_result_feels_the_squeeze(self, hoap2, objective):
+        holding, limits = generate("hold_object", hoap2, mass=1.0), {"default": 2.0}
+        answer = optimise_posture(holding, objective, torque_limits=limits)
+        assert answer.steps > 0 and answer.posture.loads == holding.loads and len(holding.loads) == 2
+        assert passive_torque(answer.posture.stance()) == pytest.approx(passive_torque(answer.stance), abs=1e-12)
+        sign = -1.0 if objective == "torque" else 1.0
+        assert sign * answer.after == pytest.approx(judged(answer.posture, objective, {"torque_limits": limits}), abs=1e-5)
+
+
 class TestHeldContacts:
     def test_motions_keep_the_contacts(self, hoap2):
         posture = hands_on_the_wall(hoap2)
@@ -244,6 +257,11 @@ class TestHeldContacts:
         assert held.motions(posture).shape == (31, 31 - 12 - 6), "feet hold six each, fingertips may roll"
         for m in held.motions(posture).T:
             assert np.abs(held.gap(moved_posture(posture, 1e-6 * m))).max() < 1e-10
+
+    def test_what_the_robot_holds_is_kept(self, hoap2):
+        holding, rng = generate("hold_object", hoap2, mass=1.0), np.random.default_rng(53)
+        near = HeldContacts(holding).closed(holding, 0.1 * rng.normal(size=31) / np.sqrt(31))
+        assert near.loads == holding.loads and len(near.loads) == 2
 
     def test_sliding_hands_have_four_more(self, hoap2):
         posture = hands_on_the_wall(hoap2)
@@ -357,6 +375,16 @@ class TestAsAUser:
         for made, answer in ((record["case"]["generated"], record), (optimized, optimized)):
             if answer["verdict"] == "stable":
                 assert max(rechecked(record["case"]["posture"], made, answer["forces"], given.mass)) < 1e-6 * given.mass * 9.81
+
+    def test_what_the_robot_holds_is_in_the_posture_of_the_record(self):
+        tables = tomllib.loads(GOOD.replace("squat", "hold_object").replace('"?LEG_JOINT*"', '"*_JOINT*"'))
+        problem = problem_from_tables(tables, "holding")
+        given, record = problem.robot_posture, solve(problem)
+        posture = optimized_posture(record, given)
+        assert record["optimized"]["steps"] > 0 and posture.loads == given.loads and len(posture.loads) == 2
+        judged_anew = ss.check_equilibrium(posture, torque_limits={"default": 2.0})
+        assert judged_anew.margin == pytest.approx(record["objective"], abs=1e-6)
+        assert np.abs(passive_torque(posture.stance()) - passive_torque(replace(posture, loads=()).stance())).max() > 0.1
 
     def test_without_a_gain_the_summary_says_why(self):
         tables = tomllib.loads(GOOD.replace('generator = "squat"', 'generator = "joint_angles"\nsupport = ["left_hand"]\nfriction = 0.5'))

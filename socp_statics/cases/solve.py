@@ -140,7 +140,7 @@ def _record(problem: Problem, stance: Stance, engine: str, keys: dict[str, Any])
     stated, posture = problem.stated(), stance.posture
     generated = {"contacts": [contact.statement() for contact in stance.contacts], "com": stance.com, "mass": stance.mass}
     if posture is not None:
-        generated["angles"] = dict(zip(posture.robot.joints, posture.angles, strict=True))
+        generated["angles"] = posture.as_record()["angles"]
         if posture.loads:
             generated["external_wrenches"] = [{"link": w.link, "force": w.force, "point": w.point} for w in posture.loads]
     entries = {

@@ -8,11 +8,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 
-from socp_statics.figures.layout import Row, arrange, new_axes, sheet_of
+from socp_statics.figures.layout import new_axes, show_alone_or_in
 from socp_statics.figures.marks import add_com, add_dots, add_line
 from socp_statics.figures.quantities import area_text
 from socp_statics.figures.style import BLACK, GREY, ORANGE, PURPLE, VERMILLION, house_style
-from socp_statics.figures.window import choose_window, label_axes, show_window
+from socp_statics.figures.window import choose_window, label_axes
 from socp_statics.following import FollowingRegion
 from socp_statics.spatial import Array
 
@@ -68,10 +68,7 @@ def draw_following(region: FollowingRegion, ax: Axes | None = None) -> Axes:
         add_following(own, shape)
         add_com(own, shape.centre)
         label_axes(own)
-        if ax is None:
-            arrange(sheet_of(own), [Row((own,), (window,))])
-        else:
-            show_window(own, window)
+        show_alone_or_in(own, ax, window)
     return own
 
 

@@ -12,11 +12,11 @@ from socp_statics.certificates import MotionCertificate
 from socp_statics.certificates.velocities import velocities
 from socp_statics.contacts import ContactSet, Stance
 from socp_statics.figures.draw_stance import PLAN, add_contacts
-from socp_statics.figures.layout import Row, Words, arrange, new_axes, sheet_of
+from socp_statics.figures.layout import Words, new_axes, show_alone_or_in
 from socp_statics.figures.marks import DOWN, OVER, UP, add_arrow, add_com, add_dots, add_line
 from socp_statics.figures.place_names import place_names
 from socp_statics.figures.style import VERMILLION, house_style
-from socp_statics.figures.window import Window, around, choose_window, label_axes, show_window
+from socp_statics.figures.window import Window, around, choose_window, label_axes
 from socp_statics.postures import Posture
 from socp_statics.spatial import Array
 
@@ -43,10 +43,7 @@ def draw_motion(motion: MotionCertificate | Mapping[str, Any], stance: Stance, a
         add_com(own, stance.com[:2])
         window = add_motion(own, entry, stance.contacts, stance.com, window, posture=stance.posture)
         label_axes(own)
-        if ax is None:
-            arrange(sheet_of(own), [Row((own,), (window,))], words=[Words(entry["reading"], VERMILLION)])
-        else:
-            show_window(own, window)
+        show_alone_or_in(own, ax, window, words=[Words(entry["reading"], VERMILLION)])
         place_names(own, {c.name: c.points_W[:, :2] for c in stance.contacts})
     return own
 

@@ -6,12 +6,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle
 
-from socp_statics.figures.layout import Row, Words, arrange, new_axes, sheet_of
+from socp_statics.figures.layout import Words, new_axes, show_alone_or_in
 from socp_statics.figures.marks import add_arrow, add_dots, add_filled, add_line
 from socp_statics.figures.quantities import area_text, length_text
 from socp_statics.figures.region_shape import RegionShape, shape_of_region
 from socp_statics.figures.style import BASE_LINE, BLACK, REGION_LINES, SKY, house_style
-from socp_statics.figures.window import Window, choose_window, inside, label_axes, show_window
+from socp_statics.figures.window import Window, choose_window, inside, label_axes
 from socp_statics.regions import BaseOfSupport, SupportRegion
 from socp_statics.regions.polygon import distance
 from socp_statics.spatial import Array
@@ -40,10 +40,7 @@ def draw_region(region: SupportRegion, ax: Axes | None = None) -> Axes:
         add_region(own, shape, filled=True)
         add_rays(own, shape, window)
         label_axes(own)
-        if ax is None:
-            arrange(sheet_of(own), [Row((own,), (window,))], words=[Words("the region is empty")] if shape.kind == "empty" else [])
-        else:
-            show_window(own, window)
+        show_alone_or_in(own, ax, window, words=[Words("the region is empty")] if shape.kind == "empty" else [])
     return own
 
 
@@ -62,10 +59,7 @@ def draw_base_of_support(base: BaseOfSupport, ax: Axes | None = None) -> Axes:
         own = new_axes() if ax is None else ax
         add_base_of_support(own, base)
         label_axes(own)
-        if ax is None:
-            arrange(sheet_of(own), [Row((own,), (window,))])
-        else:
-            show_window(own, window)
+        show_alone_or_in(own, ax, window)
     return own
 
 

@@ -11,12 +11,12 @@ from matplotlib.figure import Figure
 
 from socp_statics.exceptions import InputError
 from socp_statics.figures.draw_stance import AXIS_WORDS, add_forces, merged
-from socp_statics.figures.layout import Row, arrange, new_axes, sheet_of
+from socp_statics.figures.layout import Row, arrange, new_axes, sheet_of, show_alone_or_in
 from socp_statics.figures.marks import add_com, add_line
 from socp_statics.figures.outlines import VIEWS, View
 from socp_statics.figures.robot_marks import add_body, add_cones, add_ground, add_touching
 from socp_statics.figures.style import BLACK, COLUMN, GREY, PURPLE, TWO_COLUMNS, house_style
-from socp_statics.figures.window import Window, around, label_axes, show_window
+from socp_statics.figures.window import Window, around, label_axes
 from socp_statics.postures import Posture
 from socp_statics.statics import PointForces
 
@@ -75,10 +75,7 @@ def draw_robot(
     with house_style():
         own = new_axes() if ax is None else ax
         window = add_robot(own, posture, VIEWS[view], pushes, cones=cones)
-        if ax is None:
-            arrange(sheet_of(own), [Row((own,), (window,), HEAD)])
-        else:
-            show_window(own, window)
+        show_alone_or_in(own, ax, window, head=HEAD)
     return own
 
 

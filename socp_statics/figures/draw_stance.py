@@ -9,12 +9,12 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from socp_statics.contacts import Contact, ContactSet, Stance
-from socp_statics.figures.layout import SHEET_AXES, Row, arrange, new_axes, sheet_of
+from socp_statics.figures.layout import SHEET_AXES, new_axes, show_alone_or_in
 from socp_statics.figures.marks import add_arrow, add_com, add_dots, add_filled, add_line
 from socp_statics.figures.place_names import place_names, with_room_for_names
 from socp_statics.figures.quantities import force_text
 from socp_statics.figures.style import BLACK, GREY, PURPLE, SOLE, house_style
-from socp_statics.figures.window import Window, choose_window, label_axes, show_window
+from socp_statics.figures.window import Window, choose_window, label_axes
 from socp_statics.regions.polygon import width
 from socp_statics.spatial import Array
 
@@ -50,10 +50,7 @@ def draw_stance(
         add_forces(own, list(forces), window, color=PURPLE, words="forces up to")
         add_forces(own, pushes, window, color=GREY, words="load")
         label_axes(own)
-        if ax is None:
-            arrange(sheet_of(own), [Row((own,), (window,))])
-        else:
-            show_window(own, window)
+        show_alone_or_in(own, ax, window)
         place_names(own, named)
     return own
 

@@ -16,7 +16,7 @@ from matplotlib.ticker import MaxNLocator
 from socp_statics.figures.marks import LEGEND_MARKS, legend_entries
 from socp_statics.figures.place_names import text_width
 from socp_statics.figures.style import BLACK, COLUMN
-from socp_statics.figures.window import Window
+from socp_statics.figures.window import Window, show_window
 
 RIM = 0.06
 LINE = 0.135
@@ -75,6 +75,22 @@ def new_axes(count: int = 1) -> Axes:
     for _ in range(count):
         figure.add_axes((0.1, 0.1, 0.8, 0.8))
     return figure.axes[0]
+
+
+def show_alone_or_in(own: Axes, given: Axes | None, window: Window, words: Sequence[Words] = (), head: float = 0.0) -> None:
+    """Arrange the sheet of new axes, or grow the view of axes that belong to the caller.
+
+    Args:
+        own: The axes that were drawn into.
+        given: Those of the caller, None where ``own`` are new.
+        window: What to show [m].
+        words: Lines above new axes.
+        head: Room above new axes [in].
+    """
+    if given is None:
+        arrange(sheet_of(own), [Row((own,), (window,), head)], words=words)
+    else:
+        show_window(own, window)
 
 
 def sheet_of(ax: Axes) -> Figure:

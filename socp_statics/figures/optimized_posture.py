@@ -28,5 +28,5 @@ def optimized_posture(record: Mapping[str, Any], given: Posture | None) -> Postu
     robot = given.robot
     angles = np.array([found["angles"][joint] for joint in robot.joints])
     position, rotation = (np.array(found["base"][key], dtype=float) for key in ("position", "rotation"))
-    contacts = [contact_from_statement(entry) for entry in found["contacts"]]
-    return posture_on(robot, robot.configuration(angles, position, rotation), contacts, {c.name: c for c in contacts})
+    contacts = {entry["name"]: contact_from_statement(entry) for entry in found["contacts"]}
+    return posture_on(given, robot.configuration(angles, position, rotation), contacts)

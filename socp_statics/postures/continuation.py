@@ -9,8 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from socp_statics.exceptions import InputError
 from socp_statics.postures.inverse_kinematics import reach
+from socp_statics.postures.moved import posture_on
 from socp_statics.postures.placements import read_placements
-from socp_statics.postures.posture import Posture, posture_at
+from socp_statics.postures.posture import Posture
 from socp_statics.postures.reaching import Reaching, targets_of
 from socp_statics.spatial import Array
 
@@ -91,8 +92,7 @@ class Continuation:
 
     def posture(self, x: Array) -> Posture:
         """The posture at a point of the tangent space of the reference, shape (6 + n,)."""
-        q = self._reaching.configuration(x)
-        return posture_at(self.reference.robot, q, self.reference.support, self._friction, self._orientations)
+        return posture_on(self.reference, self._reaching.configuration(x), orientations=self._orientations)
 
     def step(self, here: Followed, com: ArrayLike) -> Followed | None:
         """The nearest posture with another centre of mass, from one that is not far away.

@@ -105,10 +105,10 @@ class HeldContacts:
         Returns:
             The posture, its contacts where the environment is; None where Newton's method finds none nearby.
         """
-        robot, contacts = posture.robot, self.given.contacts
+        robot = posture.robot
         q = moved_configuration(robot, posture.q, motion)
         for _ in range(ITERATIONS):
-            riding = posture_on(robot, q, contacts)
+            riding = posture_on(self.given, q)
             gap, outside = self.gap(riding), np.clip(riding.angles, robot.lower, robot.upper) - riding.angles
             if max(float(np.abs(gap).max()), float(np.abs(outside).max())) <= CLOSED:
                 return self._placed(riding)
@@ -130,4 +130,4 @@ class HeldContacts:
             there, slides = riding.contacts[c.name], c.name in self.sliding
             rotation = there.rotation if slides and c.type in PLANAR else c.rotation
             placed[c.name] = c.placed(np.array(there.position if slides else c.position), np.array(rotation), c.friction)
-        return posture_on(riding.robot, riding.q, self.given.contacts, placed)
+        return posture_on(self.given, riding.q, placed)

@@ -1,8 +1,9 @@
-"""Postures anywhere: a whole configuration, base included, and small motions of one."""
+"""Postures derived from one another: other configurations on the same contacts, and small motions."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,7 +12,7 @@ from socp_statics.contacts import ContactSet
 from socp_statics.contacts.contact import Contact
 from socp_statics.contacts.numbers import vector
 from socp_statics.exceptions import InputError
-from socp_statics.postures.posture import Posture, moved_jacobian
+from socp_statics.postures.posture import Posture, configured
 from socp_statics.robots import Robot
 from socp_statics.spatial import Array, skew
 
@@ -25,14 +26,14 @@ def moved_posture(posture: Posture, motion: ArrayLike) -> Posture:
             (nv,) [m, rad].
 
     Returns:
-        The posture at ``q (+) motion``, with its contacts wherever that puts them.
+        The posture at ``q (+) motion``, with its contacts wherever that puts them; its loads stay in the world.
 
     Raises:
         InputError: Not nv finite numbers.
     """
     robot = posture.robot
     step = vector(robot.name, "motion", motion, robot.pin_model.nv, kind="robot")
-    return posture_on(robot, moved_configuration(robot, posture.q, step), posture.contacts)
+    return posture_on(posture, moved_configuration(robot, posture.q, step))
 
 
 def moved_configuration(robot: Robot, q: Array, motion: Array) -> Array:
@@ -42,39 +43,27 @@ def moved_configuration(robot: Robot, q: Array, motion: Array) -> Array:
     return np.array(pinocchio.integrate(robot.pin_model, q, motion))
 
 
-def posture_on(robot: Robot, q: Array, contacts: Iterable[Contact], placed: Mapping[str, Contact] | None = None) -> Posture:
-    """The posture of a whole configuration on given contacts.
+def posture_on(
+    posture: Posture,
+    q: Array,
+    placed: Mapping[str, Contact] | None = None,
+    orientations: Mapping[str, Array] | None = None,
+) -> Posture:
+    """The posture of another configuration of the same robot on the same contacts, with the same loads.
 
     Args:
-        robot: The robot.
-        q: Pinocchio configuration, shape (nq,).
-        contacts: Contacts of the robot that touch; each keeps its friction and goes where its link is.
-        placed: Contacts that stay as they are instead: the environment decides where they are, and the kinematics agree.
+        posture: Says which contacts touch, with which friction, and what the robot holds.
+        q: Pinocchio configuration, shape (nq,); joints outside their limits are not refused.
+        placed: Contacts that stay as they are: the environment decides where they are, and the kinematics agree. The others go where
+            their links are.
+        orientations: As in `posture_at`.
 
     Returns:
         The posture.
     """
-    import pinocchio
-
-    model = robot.pin_model
-    data = model.createData()
-    pinocchio.computeJointJacobians(model, data, q)
-    com_jacobian = pinocchio.jacobianCenterOfMass(model, data, q)[:, 6:]
-    touching, jacobian = [], {}
-    for contact in contacts:
-        frame = robot.contact_frame(contact.name)
-        index = robot.frame_id(frame.frame, frame.name)
-        F = pinocchio.updateFramePlacement(model, data, index)
-        J = pinocchio.getFrameJacobian(model, data, index, pinocchio.LOCAL_WORLD_ALIGNED)[:, 6:]
-        jacobian[contact.name] = moved_jacobian(J, F.rotation @ frame.position)
-        given = (placed or {}).get(contact.name)
-        touching.append(frame.contact(F.rotation, F.translation, contact.friction) if given is None else given)
-    base = data.oMi[1]
-    arrays = {"q": np.array(q), "angles": robot.joint_angles(q), "com_W": data.com[0].copy(), "com_jacobian": com_jacobian.copy(),
-              "p_WB": base.translation.copy(), "R_WB": base.rotation.copy()}  # fmt: skip
-    for array in (*arrays.values(), *jacobian.values()):
-        array.setflags(write=False)
-    return Posture(robot=robot, contacts=ContactSet(touching), jacobian=jacobian, **arrays)
+    riding = configured(posture.robot, q, {c.name: c.friction for c in posture.contacts}, orientations or {})
+    contacts = ContactSet([(placed or {}).get(c.name, c) for c in riding.contacts])
+    return replace(riding, contacts=contacts, loads=posture.loads)
 
 
 def whole_jacobian(posture: Posture, point_W: Array, jacobian: Array) -> Array:

@@ -37,7 +37,8 @@ class Posture:
         jacobian: For each contact, velocity of its frame due to joint rates with the base fixed, ``[linear; angular]`` at the
             contact's position, world axes: J_cB of full contacts, shape (6, n).
         com_jacobian: J_CB, velocity of the centre of mass due to joint rates with the base fixed, world axes, shape (3, n).
-        loads: Wrenches impressed on the robot by what it holds, in balance among themselves; every stance of the posture has them.
+        loads: Wrenches impressed on the robot by what it holds, in balance among themselves; every stance of the posture has them, and
+            they stay in the world when the robot moves.
     """
 
     robot: Robot
@@ -60,6 +61,11 @@ class Posture:
     def mass(self) -> float:
         """Mass of the robot [kg]."""
         return self.robot.mass
+
+    def as_record(self) -> dict[str, Any]:
+        """Joint angles by name and the placement of the base: what records say of a configuration."""
+        angles = dict(zip(self.robot.joints, self.angles, strict=True))
+        return {"angles": angles, "base": {"position": self.p_WB, "rotation": self.R_WB}}
 
     def link_placement(self, link: str) -> tuple[Array, Array]:
         """Where a link or other frame of the robot is.
@@ -213,8 +219,6 @@ def posture_at(
     Raises:
         InputError: An unknown contact, a contact named twice, an angle outside its limits, a missing friction, or no configuration.
     """
-    import pinocchio
-
     names = checked_support(robot, support)
     mu = checked_friction(robot, names, friction)
     configuration = vector(robot.name, "q", q, robot.pin_model.nq, kind="robot")
@@ -222,9 +226,27 @@ def posture_at(
     if abs(float(quaternion @ quaternion) - 1.0) > UNIT_QUATERNION:
         message = f"robot '{robot.name}': q[3:7] must be a unit quaternion (x, y, z, w), got {quaternion.tolist()}"
         raise InputError(message, name=robot.name, field="q")
-    angles = robot.angles(robot.joint_angles(configuration))
-    R_WB = pinocchio.Quaternion(*np.roll(quaternion, 1)).toRotationMatrix()
-    return _placed(robot, angles, _from_the_base(robot, angles), configuration[:3].copy(), R_WB, mu, orientations or {})
+    robot.angles(robot.joint_angles(configuration))
+    return configured(robot, configuration, mu, orientations or {})
+
+
+def configured(robot: Robot, q: Array, friction: Mapping[str, float], orientations: Mapping[str, Array]) -> Posture:
+    """The posture of a configuration that needs no check; its joints may be outside their limits, as on the way of an iteration.
+
+    Args:
+        robot: The robot.
+        q: Pinocchio configuration, shape (nq,).
+        friction: Coulomb coefficient of each contact that touches.
+        orientations: As in `posture_at`.
+
+    Returns:
+        The posture.
+    """
+    import pinocchio
+
+    angles = robot.joint_angles(q)
+    R_WB = pinocchio.Quaternion(*np.roll(q[3:7], 1)).toRotationMatrix()
+    return _placed(robot, angles, _from_the_base(robot, angles), np.array(q[:3]), R_WB, friction, orientations)
 
 
 def _from_the_base(robot: Robot, angles: Array) -> Any:
@@ -258,8 +280,7 @@ def _placed(
         index = robot.frame_id(frame.frame, name)
         J = pinocchio.getFrameJacobian(robot.pin_model, data, index, pinocchio.LOCAL_WORLD_ALIGNED)[:, 6:]
         J_W = (R_WB @ J.reshape(2, 3, -1)).reshape(6, -1)
-        J_W[:3] -= skew(R_WF @ frame.position) @ J_W[3:]
-        jacobian[name] = _fixed(J_W)
+        jacobian[name] = _fixed(moved_jacobian(J_W, R_WF @ frame.position))
     return Posture(
         robot=robot,
         q=_fixed(robot.configuration(angles, p_WB, R_WB)),

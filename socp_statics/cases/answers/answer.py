@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 BY_CONTACT, BY_JOINT = "*", "* joint"
 VECTOR: list[Any] = [None]
+CONFIGURATION_KEYS: dict[str, Any] = {"angles": {BY_JOINT: None}, "base": {"position": VECTOR, "rotation": [VECTOR]}}
 _ENDS = {"lower": None, "upper": None, "equal": None}
 PRICE_KEYS: dict[str, Any] = {
     "value": None,

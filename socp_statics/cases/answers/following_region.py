@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-from socp_statics.cases.answers.answer import BY_JOINT, RECORD_KEYS, VECTOR, Answer, Parameters, joint_names
+from socp_statics.cases.answers.answer import CONFIGURATION_KEYS, RECORD_KEYS, VECTOR, Answer, Parameters, joint_names
 from socp_statics.cases.answers.equilibrium import verdict_keys
 from socp_statics.cases.answers.support_region import REGION_KEYS, agree
 from socp_statics.exceptions import InputError
@@ -21,8 +21,7 @@ END_KEYS: dict[str, Any] = {
     "distance": None,
     "position": VECTOR,
     "height": None,
-    "angles": {BY_JOINT: None},
-    "base": {"position": VECTOR, "rotation": [VECTOR]},
+    **CONFIGURATION_KEYS,
     "verdict": None,
     "margin": None,
 }

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, ValidationInfo, model_validator
 
-from socp_statics.cases.answers.answer import BY_JOINT, RECORD_KEYS, VECTOR, Answer, Parameters, contact_names, joint_names
+from socp_statics.cases.answers.answer import CONFIGURATION_KEYS, RECORD_KEYS, VECTOR, Answer, Parameters, contact_names, joint_names
 from socp_statics.cases.answers.contact_forces import force_answer_keys
 from socp_statics.cases.answers.equilibrium import verdict_keys
 from socp_statics.cases.dotted import key_text
@@ -29,8 +29,7 @@ OPTIMIZED_KEYS: dict[str, Any] = {
     "local_optimum": None,
     "reason": None,
     "steps": None,
-    "angles": {BY_JOINT: None},
-    "base": {"position": VECTOR, "rotation": [VECTOR]},
+    **CONFIGURATION_KEYS,
     "com": VECTOR,
     "contacts": [{"position": VECTOR, "rotation": [VECTOR]}],
 } | {key: RECORD_KEYS[key] for key in OF_THE_RESULT}
@@ -96,8 +95,7 @@ def optimized_keys(found: PostureAnswer) -> dict[str, Any]:
         "local_optimum": found.local_optimum,
         "reason": found.reason,
         "steps": found.steps,
-        "angles": dict(zip(posture.robot.joints, posture.angles, strict=True)),
-        "base": {"position": posture.p_WB, "rotation": posture.R_WB},
+        **posture.as_record(),
         "com": posture.com_W,
         "contacts": [contact.statement() for contact in posture.contacts],
     } | {key: keys[key] for key in OF_THE_RESULT}
