@@ -3,7 +3,6 @@
 import json
 import time
 import tomllib
-from dataclasses import replace
 
 import cvxpy as cp
 import numpy as np
@@ -25,7 +24,6 @@ from socp_statics.postures.held_contacts import HeldContacts
 from socp_statics.postures.moved import moved_posture, posture_on
 from socp_statics.robots import load_robot
 from socp_statics.statics import assemble
-from socp_statics.statics.joint_torques import passive_torque
 
 PUSH = ss.ExternalWrench(force=[15, 0, 0], point=[0, -0.039, 0.35], link="BODY_LINK1")
 BENT = {f"{side}LEG_JOINT{k}": angle for side in "LR" for k, angle in ((3, -0.2), (4, 0.3), (5, -0.1))}
@@ -241,13 +239,10 @@ class TestFirstNothingHolds:
 
 class TestHeldObjects:
     @pytest.mark.parametrize("objective", ["margin", "torque"])
-    def test_the_result_feels_the_squeeze(self, hoap2, objective):
-        holding, limits = generate("hold_object", hoap2, mass=1.0), {"default": 2.0}
-        answer = optimise_posture(holding, objective, torque_limits=limits)
-        assert answer.steps > 0 and answer.posture.loads == holding.loads and len(holding.loads) == 2
-        assert passive_torque(answer.posture.stance()) == pytest.approx(passive_torque(answer.stance), abs=1e-12)
-        sign = -1.0 if objective == "torque" else 1.0
-        assert sign * answer.after == pytest.approx(judged(answer.posture, objective, {"torque_limits": limits}), abs=1e-5)
+    def test_hands_that_would_leave_the_object_are_refused(self, hoap2, objective):
+        holding = generate("hold_object", hoap2, mass=1.0)
+        with pytest.raises(InputError, match="ARM_LINK4 .*hold an object and would leave it"):
+            optimise_posture(holding, objective, torque_limits={"default": 2.0})
 
 
 class TestHeldContacts:
@@ -375,16 +370,6 @@ class TestAsAUser:
         for made, answer in ((record["case"]["generated"], record), (optimized, optimized)):
             if answer["verdict"] == "stable":
                 assert max(rechecked(record["case"]["posture"], made, answer["forces"], given.mass)) < 1e-6 * given.mass * 9.81
-
-    def test_what_the_robot_holds_is_in_the_posture_of_the_record(self):
-        tables = tomllib.loads(GOOD.replace("squat", "hold_object").replace('"?LEG_JOINT*"', '"*_JOINT*"'))
-        problem = problem_from_tables(tables, "holding")
-        given, record = problem.robot_posture, solve(problem)
-        posture = optimized_posture(record, given)
-        assert record["optimized"]["steps"] > 0 and posture.loads == given.loads and len(posture.loads) == 2
-        judged_anew = ss.check_equilibrium(posture, torque_limits={"default": 2.0})
-        assert judged_anew.margin == pytest.approx(record["objective"], abs=1e-6)
-        assert np.abs(passive_torque(posture.stance()) - passive_torque(replace(posture, loads=()).stance())).max() > 0.1
 
     def test_without_a_gain_the_summary_says_why(self):
         tables = tomllib.loads(GOOD.replace('generator = "squat"', 'generator = "joint_angles"\nsupport = ["left_hand"]\nfriction = 0.5'))

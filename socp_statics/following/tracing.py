@@ -16,6 +16,7 @@ from socp_statics.exceptions import InputError
 from socp_statics.following.ray import Follower, follow
 from socp_statics.following.region import FollowingRegion
 from socp_statics.postures.continuation import Continuation, Followed
+from socp_statics.postures.moved import require_free_hands
 
 LONGEST = 0.1
 
@@ -62,13 +63,14 @@ def trace_following_region(
         The region, attained along its rays only.
 
     Raises:
-        InputError: There is no robot, a number is wrong, the seed is not stable, or no stable posture has the height.
+        InputError: There is no robot, it holds an object, a number is wrong, the seed is not stable, or no stable posture has the height.
         EngineError: No engine settled a verdict.
     """
     stance = stance_of(posture, None, None, gravity, external_wrenches, torque_limits) if _has_robot(posture) else None
     if stance is None:
         message = "a following region needs a robot: a posture, or a stance with one, is expected"
         raise InputError(message, name="posture", field="posture")
+    require_free_hands(stance.posture)
     _checked(rays, tolerance, step)
     if height is not None:
         height = scalar("following region", "height", height, kind="region")

@@ -17,7 +17,7 @@ from socp_statics.optimization.posture_program import AtPosture, Question
 from socp_statics.optimization.posture_search import climbed
 from socp_statics.postures import Posture
 from socp_statics.postures.held_contacts import HeldContacts
-from socp_statics.postures.moved import require_derivatives
+from socp_statics.postures.moved import require_derivatives, require_free_hands
 from socp_statics.registry import nearest
 
 OBJECTIVES = ("margin", "com_margin", "torque")
@@ -62,7 +62,8 @@ def optimise_posture(
         The result; where nothing can be improved it is the given posture, with the reason.
 
     Raises:
-        InputError: No robot, an unknown objective or contact, no torque limits where they are needed, or nothing free to move.
+        InputError: No robot, an unknown objective or contact, no torque limits where they are needed, an object held, or
+            nothing free to move.
         EngineError: No engine settled a program.
     """
     if objective not in OBJECTIVES:
@@ -75,6 +76,7 @@ def optimise_posture(
         message = "objective 'torque' is about the torque limits: torque_limits with at least one finite limit are expected"
         raise InputError(message, name="objective", field="objective")
     require_derivatives(given.posture.robot)
+    require_free_hands(given.posture)
     held = HeldContacts(given.posture, slide)
     if held.motions(given.posture).shape[1] == 0:
         message = f"nothing is free to move: the contacts {', '.join(given.posture.support)} hold every joint"

@@ -100,3 +100,15 @@ def require_derivatives(robot: Robot) -> None:
     if mimics:
         message = f"robot '{robot.name}': joint '{mimics[0]}' mimics another, and gradients need joints that move on their own"
         raise InputError(message, name=mimics[0], field="robot")
+
+
+def require_free_hands(posture: Posture) -> None:
+    """Refuse postures that hold an object where nothing would keep the hands on it while the joints move.
+
+    Raises:
+        InputError: The posture has loads of its own.
+    """
+    if posture.loads:
+        names = " and ".join(dict.fromkeys(str(wrench.link) for wrench in posture.loads))
+        message = f"robot '{posture.robot.name}': {names} hold an object and would leave it: a posture that holds nothing is expected"
+        raise InputError(message, name="posture", field="posture")
