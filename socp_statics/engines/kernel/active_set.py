@@ -101,10 +101,9 @@ def _write_equations(X, cones, states, y, kept, equations):
         worst = max(worst, abs(s0 - math.sqrt(s1 * s1 + s2 * s2)))
         if states[k] == RESTS:
             for c in range(3):
-                row_c = equations[e + c]
                 for j in range(5):
-                    row_c[j] = X[a + U(5 * c + j) * S]
-                row_c[WEIGHT], row_c[FORCE] = 1.0 / DAMPING, kept[3 * k + c]
+                    equations[e + c, j] = X[a + U(5 * c + j) * S]
+                equations[e + c, WEIGHT], equations[e + c, FORCE] = 1.0 / DAMPING, kept[3 * k + c]
             equations[e, OFF], equations[e + 1, OFF], equations[e + 2, OFF] = s0, s1, s2
             worst = max(worst, abs(s0), abs(s1), abs(s2))
             e += 3
@@ -113,13 +112,12 @@ def _write_equations(X, cones, states, y, kept, equations):
         inverse = 1.0 / length if length > 0.0 else 0.0
         u1, u2, t = s1 * inverse, s2 * inverse, kept[3 * k]
         kept[3 * k + 1], kept[3 * k + 2] = -t * u1, -t * u2
-        along, across = equations[e], equations[e + 1]
         for j in range(5):
             at = a + U(j) * S
             g, p, v = X[at], X[at + ROW1], X[at + ROW2]
-            along[j], across[j] = g - u1 * p - u2 * v, u1 * v - u2 * p
-        along[OFF], along[WEIGHT], along[FORCE] = s0 - length, 1.0 / DAMPING, t
-        across[OFF], across[WEIGHT], across[FORCE] = 0.0, max(t, 0.0) * inverse, 0.0
+            equations[e, j], equations[e + 1, j] = g - u1 * p - u2 * v, u1 * v - u2 * p
+        equations[e, OFF], equations[e, WEIGHT], equations[e, FORCE] = s0 - length, 1.0 / DAMPING, t
+        equations[e + 1, OFF], equations[e + 1, WEIGHT], equations[e + 1, FORCE] = 0.0, max(t, 0.0) * inverse, 0.0
         e += 2
     return e, worst
 
@@ -132,9 +130,9 @@ def _step(X, cones, q, states, equations, y, kept):
     r0 = r1 = r2 = r3 = r4 = 0.0
     b0, b1, b2, b3, b4 = q[0], q[1], q[2], q[3], q[4]
     for e in range(count):
-        g = equations[e]
-        g0, g1, g2, g3, g4, weight, force = g[0], g[1], g[2], g[3], g[4], g[WEIGHT], g[FORCE]
-        w0, w1, w2, w3, w4, off = weight * g0, weight * g1, weight * g2, weight * g3, weight * g4, g[OFF]
+        g0, g1, g2, g3, g4 = equations[e, 0], equations[e, 1], equations[e, 2], equations[e, 3], equations[e, 4]
+        weight, force, off = equations[e, WEIGHT], equations[e, FORCE], equations[e, OFF]
+        w0, w1, w2, w3, w4 = weight * g0, weight * g1, weight * g2, weight * g3, weight * g4
         m00 += g0 * w0
         m10 += g1 * w0
         m11 += g1 * w1
@@ -175,8 +173,9 @@ def _step(X, cones, q, states, equations, y, kept):
         if states[k] != FREE:
             resting = states[k] == RESTS
             for c in range(3 if resting else 1):
-                g = equations[e + c]
-                kept[3 * k + c] += (g[0] * d0 + g[1] * d1 + g[2] * d2 + g[3] * d3 + g[4] * d4 - g[OFF]) * g[WEIGHT]
+                at = e + c
+                moved = equations[at, 0] * d0 + equations[at, 1] * d1 + equations[at, 2] * d2 + equations[at, 3] * d3
+                kept[3 * k + c] += (moved + equations[at, 4] * d4 - equations[at, OFF]) * equations[at, WEIGHT]
             e += 3 if resting else 2
     return worst
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from socp_statics.engines.kernel.active_set import EQUATION
+from socp_statics.engines.kernel.borrowed import borrowed
 from socp_statics.engines.kernel.compilation import entry, inner
 from socp_statics.engines.kernel.contact_vertices import carrying_points, contact_vertex
 from socp_statics.engines.kernel.continuation import continued
@@ -143,12 +144,13 @@ def trace(points, starts, loads, tolerance, most):
         mine = points[starts[b] : starts[b + 1]]
         cones = mine.shape[0]
         kind, count, inner_area, margin, size = trace_one(
-            mine, loads[b], tolerance, X, ints, states, nodes, motions, store, alone, equations, small
-        )
+            borrowed(mine), loads[b], tolerance, borrowed(X), borrowed(ints), borrowed(states), borrowed(nodes), borrowed(motions),
+            borrowed(store), borrowed(alone), borrowed(equations), borrowed(small),
+        )  # fmt: skip
         k = m = 0
         gap, area, outer_area = 1.0, 0.0, 0.0
         if kind == POLYGON:
-            kind, k, m, gap, area, outer_area = polygons(nodes, ints, inner_area, corners)
+            kind, k, m, gap, area, outer_area = polygons(borrowed(nodes), borrowed(ints), inner_area, borrowed(corners))
         if kind == POLYGON:
             inner_xy, held = grown(inner_xy, inners, k), grown(held, rows, k * cones)
             outer_xy, moving = grown(outer_xy, outers, m), grown(moving, outers, m)
