@@ -321,3 +321,39 @@ assert answer.stable
 sys.exit(bool({"numba", "llvmlite"} & set(sys.modules)))
 """
     subprocess.run([sys.executable, "-c", code], env={**os.environ, "PYTHONPATH": str(ROOT)}, check=True)
+
+
+def test_an_entry_calls_nothing_but_its_own(toy):
+    code = """
+total(7.0, 1)
+(made,) = total.load().overloads.values()
+functions = [one for one in made.library._final_module.functions if not one.is_declaration]
+tell(sorted({one.linkage.name for one in functions if "scaled" in one.name or "total" not in one.name}))
+"""
+    assert set(run(toy, code)[0]["value"]) <= {"internal", "private"}
+
+
+ORDERS = ("tracing.trace", "reserves.reserves"), ("reserves.reserves", "tracing.trace")
+ANSWERS = """
+import sys
+from importlib import import_module
+import numpy as np
+import socp_statics as ss
+for name in sys.argv[1:]:
+    module, _, entry = name.partition(".")
+    getattr(import_module("socp_statics.engines.kernel." + module), entry).load()
+places = (("a", 0, 0.2, 0.3), ("b", 0.1, -0.2, -0.4))
+feet = [ss.SurfaceContact(n, (x, y, 0), rpy=(r, 0.2, 0), friction=0.4, size=(0.2, 0.1)) for n, x, y, r in places]
+hand = ss.PointContact("hand", (0.5, 0.1, 0.9), normal=(-1, 0.2, 0.1), friction=0.6)
+contacts = ss.ContactSet([*feet, hand])
+region = ss.trace_support_region(contacts, 1e-4, engine="kernel")
+coms = np.random.default_rng(3).normal(size=(200, 3)) * 0.2 + (0.0, 0.0, 0.8)
+margins = ss.check_equilibrium_many(contacts, coms, mass=40.0, engine="kernel").margin
+print(region.inner.tobytes().hex(), region.outer.tobytes().hex(), margins.tobytes().hex())
+"""
+
+
+def test_answers_do_not_depend_on_what_was_asked_before():
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    said = [subprocess.run([sys.executable, "-c", ANSWERS, *order], env=environment, check=True, capture_output=True) for order in ORDERS]
+    assert len(said[0].stdout) > 10_000 and said[0].stdout == said[1].stdout

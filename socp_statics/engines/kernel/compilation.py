@@ -20,6 +20,7 @@ from typing import Any
 import numba
 
 from socp_statics.engines.kernel.disk_cache import DiskCache, folder_of, note_source
+from socp_statics.engines.kernel.enclosed import enclosed
 
 # Sums may be reordered and quotients become products; NaN and infinity keep their meaning, because the solver tests for them.
 OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy", "fastmath": {"reassoc", "contract", "arcp", "nsz"}}
@@ -149,7 +150,8 @@ class Entry:
         collecting = gc.isenabled()
         gc.disable()
         try:
-            dispatcher.compile(self.signature)
+            with enclosed(dispatcher, self.py_func.__qualname__):
+                dispatcher.compile(self.signature)
         finally:
             if collecting:
                 gc.enable()
