@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from random_stances import moved, random_stance
+from sweeps.population import Case, stance_of
 
 import socp_statics as ss
 from socp_statics.cones.choice import ConeChoice
@@ -103,6 +104,16 @@ def test_every_corner_and_edge_has_a_witness(family, cone):
             seen += 1
             checked_witnesses(stance, region, cone)
     assert seen
+
+
+@pytest.mark.parametrize("family, seed", [("soles", 19700), ("pushed", 7735)])
+def test_corners_that_nearly_repeat_do_not_turn_a_margin_round(family, seed):
+    """Stances of the sweep whose refined regions have two corners within rounding of each other."""
+    stance = stance_of(Case(family, seed))
+    mine, other = (ss.trace_support_region(stance, engine=e) for e in ("kernel", "clarabel"))
+    assert ss.check_equilibrium(stance).stable and mine.engine == "kernel"
+    assert mine.com_margin == pytest.approx(other.com_margin, rel=1e-6) and mine.com_margin > 0.0
+    assert mine.margin(stance.com[:2]) == pytest.approx(mine.com_margin, rel=2e-3)
 
 
 def test_flat_feet_are_the_hull_of_their_corners_to_rounding():

@@ -9,6 +9,8 @@ from socp_statics.engines.kernel.supports import BOUND, CX, CY, DX, DY
 
 RELATIVE = 1e-3
 NEGLIGIBLE = 1e-10
+# Edges shorter than this, scaled, have directions made of rounding.
+SHORT = 1e-7
 MOST_REFINEMENTS = 60
 OUTSIDE = -1
 
@@ -46,7 +48,7 @@ def nearest_edge(nodes, order, ring, keep, corners, x, y):
         if gap < away:
             away, near_x, near_y = gap, nodes[i, CX] + share * ex, nodes[i, CY] + share * ey
         length = math.sqrt(square)
-        if length > NEGLIGIBLE and corners > 2:
+        if length > SHORT and corners > 2:
             reserve = (ex * py - ey * px) / length
             if reserve < least:
                 least, edge, dx, dy = reserve, i, ey / length, -ex / length

@@ -12,6 +12,8 @@ from socp_statics.engines.kernel.supports import AREA, BOUND, CX, CY, DX, DY, PX
 
 PARALLEL = 1e-9
 ROUNDING = 1e-10
+# Points that nearly repeat may lie in the wrong order along their edge, by a few times the accuracy of each.
+OVERSHOOT = 10.0
 
 
 @inner
@@ -88,7 +90,7 @@ def inner_corners(nodes, order, count, tolerance, keep):
                 redundant = math.hypot(bx, by) <= tolerance
             else:
                 along, off = (bx * ex + by * ey) / length, (ex * by - ey * bx) / length
-                redundant = off >= -tolerance and -tolerance <= along <= length + tolerance
+                redundant = off >= -tolerance and -OVERSHOOT * tolerance <= along <= length + OVERSHOOT * tolerance
             if redundant:
                 for j in range(i, kept - 1):
                     keep[j] = keep[j + 1]
