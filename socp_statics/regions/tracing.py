@@ -21,7 +21,8 @@ from socp_statics.regions.tracer import ON_EDGE, Tracer
 from socp_statics.regions.witnesses import TracedWitnesses
 from socp_statics.statics import assemble
 
-CHUNK = 32
+# Short pieces: what a thread waits for the interpreter while another one makes regions of a long one is lost.
+CHUNK = 8
 
 
 def trace_support_region(
