@@ -53,6 +53,8 @@ HOMES = {
     "pydantic": {"cases"},
     "typer": {"cli"},
     "rich": {"cli", "runner"},
+    "distributed": {"runner"},
+    "pyarrow": {"runner", "report"},
 }
 NAMELESS = {"utils", "util", "misc", "helpers", "helper", "common", "tools", "core", "base"}
 FILES = sorted(PACKAGE.rglob("*.py"))
