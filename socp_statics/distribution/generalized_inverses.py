@@ -30,7 +30,7 @@ def pseudoinverse(A: ArrayLike) -> Array:
     Raises:
         InputError: Not a matrix of finite numbers (field ``A``).
     """
-    inverse: Array = np.linalg.pinv(_matrix(A), rcond=RELATIVE_RANK)
+    inverse: Array = np.asarray(np.linalg.pinv(_matrix(A), rcond=RELATIVE_RANK), dtype=float)
     return inverse
 
 
