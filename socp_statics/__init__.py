@@ -25,6 +25,11 @@ _HOMES = {
     "ExternalWrench": "contacts",
     "Stance": "contacts",
     "ConeChoice": "cones",
+    "contact_wrench_cone": "wrench_cones",
+    "body_wrench_cone": "wrench_cones",
+    "com_slice": "wrench_cones",
+    "acceleration_slice": "wrench_cones",
+    "simple_static_test": "stability",
     "check_equilibrium": "stability",
     "check_equilibrium_many": "stability",
     "trace_support_region": "regions",
@@ -105,7 +110,12 @@ if TYPE_CHECKING:
     from socp_statics.stability import check_equilibrium as check_equilibrium
     from socp_statics.stability import check_equilibrium_many as check_equilibrium_many
     from socp_statics.stability import margin_gradient as margin_gradient
+    from socp_statics.stability import simple_static_test as simple_static_test
     from socp_statics.statics.posture_types import posture_types as posture_types
+    from socp_statics.wrench_cones import acceleration_slice as acceleration_slice
+    from socp_statics.wrench_cones import body_wrench_cone as body_wrench_cone
+    from socp_statics.wrench_cones import com_slice as com_slice
+    from socp_statics.wrench_cones import contact_wrench_cone as contact_wrench_cone
 
 
 def __getattr__(name: str) -> Any:

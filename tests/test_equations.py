@@ -11,10 +11,8 @@ PACKAGE = Path(__file__).parents[1] / "socp_statics"
 EQUATIONS = [f"3.{i}" for i in range(1, 81)]
 DEFINITIONS = {"3.79", "3.80"}
 NOT_BUILT_YET = {
-    "wrench cones": {"3.13", "3.14", "3.77"},
     "closed loops and wrench distribution": {f"3.{i}" for i in range(24, 55)},
     "humanoid relations": {f"3.{i}" for i in range(61, 74)},
-    "simple static test": {"3.76"},
 }
 
 

@@ -23,7 +23,7 @@ KINEMATICS = "pin"
 KEY_ORDER = (
     "schema", "problem", "model", "hash", "case", "status", "verdict", "reason", "cone", "objective", "margin", "idle", "idle_margin",
     "com_margin", "wrenches", "forces", "torques", "torque_limits", "region", "following", "capability", "certificate", "prices", "safety",
-    "optimized", "residuals", "expect", "engine", "handovers", "versions",
+    "simple_test", "optimized", "residuals", "expect", "engine", "handovers", "versions",
 )  # fmt: skip
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from socp_statics.cases.answers.simple_test import simple_test_lines
 from socp_statics.cases.optimized_words import optimized_lines
 from socp_statics.cases.price_words import price_lines
 from socp_statics.certificates.reading import direction_words
@@ -55,6 +56,7 @@ def summary_lines(record: Mapping[str, Any]) -> list[tuple[str, str]]:
         lines += [("optimised", line) for line in optimized_lines(record)]
     if "safety" in record:
         lines.append(("safety", _safety(record["safety"])))
+    lines += simple_test_lines(record)
     if "keyframes" in record:
         lines.append(("keyframes", _keyframes(record)))
     if record["certificate"]:

@@ -72,6 +72,8 @@ def describe(model: str, stance: Stance, parameters: Mapping[str, Any]) -> str:
         rows.append((MEASURES[parameters["measure"]], f"every {parameters['level']} g"))
     if moving:
         rows.append(("contacts(q) = given, lower <= theta <= upper", _movable(stance, parameters)))
+    if parameters.get("simple_test"):
+        rows.append(("also F = C^-W G_C", "the simple test: two generalised inverses, checked against the contacts' wrench cones"))
     width = max(len(left) for left, _ in [(objective, ""), *rows]) + 3
     lines = [f"{verb:<12}{objective:<{width}}{meaning}"]
     for i, (left, right) in enumerate(rows):

@@ -9,6 +9,7 @@ from pydantic import Field
 
 from socp_statics.cases.answers.answer import RECORD_KEYS, Answer, Parameters
 from socp_statics.cases.answers.safety import SAFETY_KEYS, safety_verdict
+from socp_statics.cases.answers.simple_test import SIMPLE_TEST_KEYS, simple_tests
 
 if TYPE_CHECKING:
     from socp_statics.cases.problem import Problem
@@ -22,6 +23,7 @@ class EquilibriumParameters(Parameters):
     """``[parameters]`` of an equilibrium problem."""
 
     safety: float | None = Field(None, ge=0, description="a finite length >= 0 [m]")
+    simple_test: bool = Field(False, description="true or false")
 
 
 def torque_keys(answer: EquilibriumAnswer | ForceAnswer | None, stance: Stance) -> dict[str, Any]:
@@ -73,7 +75,7 @@ def verdict_keys(answer: EquilibriumAnswer, stance: Stance) -> dict[str, Any]:
 
 
 def answer(problem: Problem, stance: Stance, engine: str | Sequence[str]) -> dict[str, Any]:
-    """Verdict, margin and certificate; with ``safety`` also the verdict against the offset.
+    """Verdict, margin and certificate; with ``safety`` the verdict against the offset, with ``simple_test`` that of two inverses.
 
     Args:
         problem: Its parameters.
@@ -90,7 +92,9 @@ def answer(problem: Problem, stance: Stance, engine: str | Sequence[str]) -> dic
 
         region = trace_support_region(stance, cone=cone, form=stated["form"], engine=engine)
         keys["safety"] = safety_verdict(stance, region.com_margin, stated["safety"])
+    if stated["simple_test"]:
+        keys["simple_test"] = simple_tests(stance, cone)
     return keys
 
 
-ANSWER = Answer(EquilibriumParameters, answer, RECORD_KEYS | SAFETY_KEYS, follows_com=True)
+ANSWER = Answer(EquilibriumParameters, answer, RECORD_KEYS | SAFETY_KEYS | SIMPLE_TEST_KEYS, follows_com=True)
