@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.fft import dct
 from scipy.optimize import nnls
 from scipy.spatial import ConvexHull, QhullError
 
@@ -21,6 +22,7 @@ from socp_statics.spatial import Array
 from socp_statics.wrench_cones.forms import FaceForm, SpanForm, checked_length, units, vectors
 
 MOST_RAYS = 192
+ATTEMPTS = 6
 ZERO, DOUBTFUL = 1e-9, 1e-6
 TOUCHES = 1e-8
 SAME = 1e-6
@@ -70,6 +72,28 @@ def span_form(faces: ArrayLike, equalities: ArrayLike | None = None, *, length: 
     return SpanForm(rays * unit, lines * unit, float(length))
 
 
+def extreme_rays(rays: Array, form: FaceForm) -> SpanForm:
+    """The span form of a cone whose faces are known: those of its rays that as many faces meet in as in an edge.
+
+    Args:
+        rays: Rays that span the cone, its lines aside, shape (r, d).
+        form: Its faces.
+
+    Returns:
+        Extreme rays orthogonal to the lines, of unit length in the norm ``|(f, m / length)|``; lines orthonormal in it.
+    """
+    unit = units(rays.shape[1], form.length)
+    U, E = form.faces * unit, form.equalities * unit
+    across, lines = _range(np.vstack([U, E]))
+    V = _unit_rows(_unit_rows(rays / unit) @ across @ across.T)
+    edges: list[Array] = []
+    for v in V:
+        meeting = np.vstack([U[np.abs(U @ v) <= TOUCHES], E])
+        if np.linalg.matrix_rank(meeting, tol=SAME) >= across.shape[1] - 1 and all(np.abs(v - e).max() > SAME for e in edges):
+            edges.append(v)
+    return SpanForm(np.array(edges).reshape(-1, len(unit)) * unit, lines.T * unit, form.length)
+
+
 def _pair(first: ArrayLike, second: ArrayLike | None, word: str, other: str) -> tuple[Array, Array]:
     A = np.array(first, dtype=float) if np.size(first) == 0 else vectors(first, np.shape(first)[-1], word)
     if A.ndim != 2 or not A.shape[1]:
@@ -94,7 +118,9 @@ def _faces(rays: Array, lines: Array) -> tuple[Array, Array]:
         # Rays that the others turn back span lines that nobody named: internal forces.
         named = np.vstack([named, V[backward]])
         across = _range(named)[1]
-    return _facets(pointed) @ across.T @ inside.T, outside.T
+    faces = _facets(pointed) @ across.T @ inside.T
+    # The order of the faces does not depend on that of the rays.
+    return faces[np.lexsort(np.round(faces, 7).T[::-1])], outside.T
 
 
 def _unit_rows(rows: Array) -> Array:
@@ -116,7 +142,7 @@ def _range(rows: Array) -> tuple[Array, Array]:
 
 
 def _facets(V: Array) -> Array:
-    """Unit outward normals of the facets of a pointed cone of full dimension, in an order that does not depend on its rays' order.
+    """Unit outward normals of the facets of a pointed cone of full dimension.
 
     Args:
         V: Unit rays, shape (n, d).
@@ -124,11 +150,21 @@ def _facets(V: Array) -> Array:
     dimension = V.shape[1]
     if dimension == 0:
         return np.zeros((0, 0))
+    if dimension == 1:
+        return -np.sign(V[:1])
     round_, T = _rounded(V)
-    U = _described(round_) if dimension > 1 else np.array([[-1.0 if round_[0, 0] > 0.0 else 1.0]])
-    _check(U, round_)
-    faces = _unit_rows(U @ T.T)
-    return faces[np.lexsort(np.round(faces, 7).T[::-1])]
+    turn = dct(np.eye(dimension), norm="ortho", axis=0)
+    for k in range(ATTEMPTS):
+        # Whether double description succeeds hangs on the axes; turning them is no change of the cone.
+        Q = np.linalg.matrix_power(turn, k)
+        try:
+            U = _described(round_ @ Q) @ Q.T
+            _check(U, round_)
+        except EngineError as error:
+            failure = error
+        else:
+            return _unit_rows(U @ T.T)
+    raise failure
 
 
 def _rounded(V: Array) -> tuple[Array, Array]:
@@ -153,10 +189,17 @@ def _described(V: Array) -> Array:
         raise _inconsistent("cddlib gave up") from error
     if found.lin_set:
         raise _inconsistent("equalities were found where there are none")
-    U = _unit_rows(-np.array(found.array, dtype=float).reshape(-1, V.shape[1] + 1)[:, 1:])
-    touching = np.abs(U @ V.T) <= TOUCHES
-    # A row that fewer independent rays touch than a facet is redundant.
-    return U[[np.linalg.matrix_rank(V[t], tol=SAME) >= V.shape[1] - 1 for t in touching]]
+    return _of_facets(_unit_rows(-np.array(found.array, dtype=float).reshape(-1, V.shape[1] + 1)[:, 1:]), V)
+
+
+def _of_facets(U: Array, V: Array) -> Array:
+    """The rows that as many independent rays touch as span a facet; the others are redundant."""
+    dimension = V.shape[1]
+    squares = (V[:, :, None] * V[:, None, :]).reshape(len(V), -1)
+    touching = (np.abs(U @ V.T) <= TOUCHES).astype(float)
+    # Rank by the eigenvalues of sums of squares: thousands of rows at once.
+    spread = np.linalg.eigvalsh((touching @ squares).reshape(-1, dimension, dimension))
+    return U[spread[:, 1] > SAME**2] if len(U) else U
 
 
 def _check(U: Array, V: Array) -> None:
@@ -183,7 +226,8 @@ def _check(U: Array, V: Array) -> None:
         hull = ConvexHull((V / height[:, None]) @ plane.T)
     except QhullError as error:
         raise _inconsistent("its cross-section is flat") from error
-    normals = _unit_rows(hull.equations[:, :-1] @ plane + hull.equations[:, -1:] * upward)
+    # Qhull cuts facets into simplices, and the normals of slivers are rounding.
+    normals = _of_facets(_unit_rows(hull.equations[:, :-1] @ plane + hull.equations[:, -1:] * upward), V)
     nearest = normals @ U.T
     if np.sqrt(np.maximum(2.0 - 2.0 * np.array([nearest.max(axis=1).min(), nearest.max(axis=0).min()]), 0.0)).max() > SAME:
         raise _inconsistent("the hull of a cross-section has other faces")

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from socp_statics.cones.choice import ConeChoice
 from socp_statics.exceptions import EngineError, InputError
 from socp_statics.spatial import Array
-from socp_statics.wrench_cones.double_description import face_form, span_form
+from socp_statics.wrench_cones.double_description import extreme_rays, face_form
 from socp_statics.wrench_cones.forms import FaceForm, SpanForm, units, vectors
 from socp_statics.wrench_cones.generators import Generators
 from socp_statics.wrench_cones.nearest_point import nearest_point
@@ -156,14 +156,13 @@ class WrenchCone:
         """The span form: extreme rays only, of unit length in ``|(f, m / length)|``, and lines.
 
         Returns:
-            The rays of the face form.
+            The rays that the faces meet in.
 
         Raises:
-            InputError: The cone is exact, has too many faces or rays, or the extra ``[cdd]`` is missing.
+            InputError: The cone is exact, has too many rays, or the extra ``[cdd]`` is missing.
             EngineError: The cone is too degenerate for double description.
         """
-        faces = self.faces()
-        return span_form(faces.faces, faces.equalities, length=self.length)
+        return extreme_rays(self.generators.rays(), self.faces())
 
     def consistency(self, wrench: ArrayLike, tolerance: float = 1e-8) -> Consistency:
         """Whether a wrench is contact-consistent, by faces where the cone has them, else by a supporting plane.
