@@ -170,10 +170,10 @@ def _weights(contacts: ContactSet, bases: list[Array], inverse: str, weights: Ar
         raise InputError(f"inverse must be one of {', '.join(INVERSES)}, got {inverse!r}", name="simple test", field="inverse")
     if inverse == "pseudoinverse":
         return inverse, np.ones(count)
-    rows = [
-        np.where(soft_basis(c).any(axis=1)[np.argmax(B, axis=0)], 1.0 / c.friction**2 if c.friction else 1.0, 1.0)
-        for c, B in zip(contacts, bases, strict=True)
-    ]
+    rows = []
+    for contact, B in zip(contacts, bases, strict=True):
+        rubbing = soft_basis(contact).sum(axis=1) @ B > 0.0
+        rows.append(np.where(rubbing, 1.0 / contact.friction**2, 1.0) if contact.friction else np.ones(B.shape[1]))
     return inverse, np.concatenate(rows)
 
 
@@ -224,7 +224,8 @@ def _failure(contact: Contact, F: Array, choice: ConeChoice, allowed: float) -> 
     if isinstance(contact, SoftFingerContact):
         distance = SoftFingerCone(contact.friction, contact.torsional_friction, contact.shape, choice).distance(F[[0, 1, 2, 5]])
         return f"spins: force and moment {m[2]:.4g} N m about its normal exceed its friction by {float(np.asarray(distance)):.4g} N"
-    return f"turns about its normal: moment {m[2]:.4g} N m, with the force {f[0]:.4g}, {f[1]:.4g} N along it, is more than its points hold"
+    beside = float(np.hypot(f[0], f[1]))
+    return f"turns about its normal: moment {m[2]:.4g} N m beside {beside:.4g} N of friction is more than its points hold"
 
 
 def _outside(points: Array, p: Array) -> float:

@@ -90,6 +90,8 @@ def _check(rest: Array, target: Array, gain: float) -> None:
 
 def _amounts(rays: Array, target: Array) -> Array:
     """Non-negative least squares to full precision: SciPy's normal equations find which rays are used, a QR how much of each."""
+    if not len(rays):
+        return np.zeros(0)
     amounts, _ = nnls(rays.T, target, maxiter=100 * len(rays))
     used = amounts > 0.0
     refined = np.zeros(len(rays))

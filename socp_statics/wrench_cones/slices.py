@@ -112,7 +112,7 @@ class WrenchSlice:
 
     @property
     def by(self) -> str:
-        """ "faces" where the cone has a face form, "support" where the programs run over its rays."""
+        """The word "faces" where the cone has a face form, "support" where the programs run over its rays."""
         return "support" if self._faces is None else "faces"
 
     @cached_property

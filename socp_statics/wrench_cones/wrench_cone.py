@@ -55,7 +55,7 @@ class WrenchCone:
         closed_form: Its faces, where a formula has them.
     """
 
-    generators: Generators
+    generators: Generators = field(repr=False)
     choice: ConeChoice
     length: float
     contacts: tuple[str, ...]
