@@ -77,6 +77,16 @@ def test_the_program_that_reaches_a_wall_runs(capsys):
     assert capsys.readouterr().out.startswith("stable ")
 
 
+def test_the_program_of_wrench_cones_runs(capsys):
+    pytest.importorskip("cdd")
+    program = next(block for block in blocks("python") if "body_wrench_cone" in block)
+    exec(compile(program, "README", "exec"), {})  # noqa: S102
+    said = capsys.readouterr().out.splitlines()
+    assert said[0] == "(16, 6)" and "consistent=True" in said[2] and "by='faces'" in said[2]
+    assert 0.01 < float(said[3].split()[0]) < 0.2
+    assert said[4].startswith("left ") and "centre of pressure" in said[4]
+
+
 def test_the_generators_and_their_keys_are_those_of_the_table():
     import inspect
 
