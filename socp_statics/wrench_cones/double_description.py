@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.fft import dct
-from scipy.optimize import nnls
 from scipy.spatial import ConvexHull, QhullError
 
 from socp_statics.exceptions import EngineError, InputError
 from socp_statics.spatial import Array
+from socp_statics.wrench_cones.combination import distance_of_span
 from socp_statics.wrench_cones.forms import FaceForm, SpanForm, checked_length, units, vectors
 
 MOST_RAYS = 192
@@ -112,7 +112,9 @@ def _faces(rays: Array, lines: Array) -> tuple[Array, Array]:
     across = _range(named)[1]
     while True:
         pointed = _unit_rows(V @ across)
-        backward = [k for k, v in enumerate(V @ across) if np.linalg.norm(v) > ZERO and nnls(pointed.T, -v)[1] <= ZERO]
+        backward = [
+            k for k, v in enumerate(V @ across) if np.linalg.norm(v) > ZERO and distance_of_span(pointed, -v / np.linalg.norm(v)) <= ZERO
+        ]
         if not backward:
             break
         # Rays that the others turn back span lines that nobody named: internal forces.

@@ -8,10 +8,10 @@ supports the whole cone: the projection is proved by Moreau's conditions, not by
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import nnls
 
 from socp_statics.exceptions import EngineError
 from socp_statics.spatial import Array
+from socp_statics.wrench_cones.combination import nearest_combination
 from socp_statics.wrench_cones.generators import Generators
 
 ROUNDS = 200
@@ -44,7 +44,7 @@ def nearest_point(generators: Generators, wrench: Array) -> Array:
 
 def _rest_of_rays(generators: Generators, across: Array, target: Array) -> Array:
     rays = _unit(generators.rays() @ across)
-    rest = target - _amounts(rays, target) @ rays
+    rest = target - nearest_combination(rays, target) @ rays
     _check(rest, target, float((rays @ rest).max(initial=0.0)))
     return rest
 
@@ -65,7 +65,7 @@ def _rest_of_cones(generators: Generators, across: Array, target: Array) -> Arra
         gain = float((rays @ rest).max(initial=0.0))
         if gain <= OPTIMAL * np.linalg.norm(rest):
             break
-        amounts = _amounts(rays, target)
+        amounts = nearest_combination(rays, target)
         left = target - amounts @ rays
         if np.linalg.norm(left) >= np.linalg.norm(rest):
             break
@@ -86,18 +86,6 @@ def _check(rest: Array, target: Array, gain: float) -> None:
     """Moreau's conditions: no ray gains, and the rest is orthogonal to the nearest point."""
     if max(gain, abs(float(rest @ (target - rest)))) > ACCEPTED:
         raise EngineError(f"the nearest wrench of the cone was not found, a ray still gains {gain:.0e}", name="wrench cone")
-
-
-def _amounts(rays: Array, target: Array) -> Array:
-    """Non-negative least squares to full precision: SciPy's normal equations find which rays are used, a QR how much of each."""
-    if not len(rays):
-        return np.zeros(0)
-    amounts, _ = nnls(rays.T, target, maxiter=100 * len(rays))
-    used = amounts > 0.0
-    refined = np.zeros(len(rays))
-    refined[used] = np.linalg.lstsq(rays[used].T, target)[0]
-    closer = np.linalg.norm(target - refined @ rays) < np.linalg.norm(target - amounts @ rays)
-    return refined if closer and refined.min() >= 0.0 else np.asarray(amounts)
 
 
 def _complement(lines: Array) -> Array:
