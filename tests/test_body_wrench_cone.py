@@ -55,6 +55,14 @@ def test_the_body_cone_is_spanned_by_the_transported_rays_of_the_contact_cones()
         assert along.max() > 1 - 1e-9
 
 
+def test_a_stance_and_a_posture_bring_their_contacts():
+    stance = random_stance(0, "sloped")
+    wrench = needed(stance, stance.contacts.centre)
+    assert body_wrench_cone(stance).distance(wrench) == body_wrench_cone(stance.contacts).distance(wrench)
+    posture = ss.pose(ss.load_robot("hoap2"), {}, support=["left_foot", "right_foot"], friction=0.5)
+    assert body_wrench_cone(posture, posture.com_W).contains([0, 0, posture.mass * 9.81, 0, 0, 0])
+
+
 def test_corner_points_are_turned_with_the_sole():
     """A library moved the corners without turning them: wrong as soon as a sole is yawed or tilted."""
     contact = ss.SurfaceContact("foot", (0.3, -0.2, 0.1), rpy=(0.5, -0.4, 1.2), friction=0.6, size=(0.3, 0.05))

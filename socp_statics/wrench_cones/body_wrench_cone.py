@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from socp_statics.cones.choice import ConeChoice, cone_choice
-from socp_statics.contacts import Contact, ContactSet
 from socp_statics.contacts.numbers import vector
 from socp_statics.contacts.stance import as_contact_set
 from socp_statics.spatial import skew
@@ -19,7 +17,7 @@ from socp_statics.wrench_cones.wrench_cone import WrenchCone
 
 
 def body_wrench_cone(
-    contacts: ContactSet | Iterable[Contact],
+    contacts: Any,
     point_W: ArrayLike | None = None,
     *,
     cone: str | ConeChoice = "exact",
@@ -34,7 +32,7 @@ def body_wrench_cone(
     flat double stance. A wrench in it is contact-consistent (`WrenchCone.consistency`).
 
     Args:
-        contacts: Contacts without bounds in newtons.
+        contacts: Contacts without bounds in newtons; or a Stance or a Posture, whose contacts they are.
         point_W: Point that moments are taken about, for example the centre of mass, world axes, shape (3,) [m]; the mean contact
             point by default.
         cone: "exact", "inscribed" or "circumscribed", or a ConeChoice.
@@ -48,7 +46,7 @@ def body_wrench_cone(
     Raises:
         InputError: A wrong number or choice, or bounds in newtons, which leave no cone.
     """
-    contact_set, choice = as_contact_set(contacts), cone_choice(cone, sides, heading)
+    contact_set, choice = as_contact_set(getattr(contacts, "contacts", contacts)), cone_choice(cone, sides, heading)
     point = contact_set.centre if point_W is None else vector("contacts", "point", point_W, 3, kind="stance")
     transports = []
     for contact in contact_set:

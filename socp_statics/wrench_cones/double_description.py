@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.fft import dct
-from scipy.spatial import ConvexHull, QhullError
+from scipy.spatial import ConvexHull, KDTree, QhullError
 
 from socp_statics.exceptions import EngineError, InputError
 from socp_statics.spatial import Array
@@ -111,10 +111,10 @@ def _faces(rays: Array, lines: Array) -> tuple[Array, Array]:
     V, named = _unit_rows(rays) @ inside, _unit_rows(lines) @ inside
     across = _range(named)[1]
     while True:
-        pointed = _unit_rows(V @ across)
-        backward = [
-            k for k, v in enumerate(V @ across) if np.linalg.norm(v) > ZERO and distance_of_span(pointed, -v / np.linalg.norm(v)) <= ZERO
-        ]
+        seen = V @ across
+        sizes = np.linalg.norm(seen, axis=1)
+        pointed = seen[sizes > ZERO] / sizes[sizes > ZERO, None]
+        backward = [k for k in np.flatnonzero(sizes > ZERO) if distance_of_span(pointed, -seen[k] / sizes[k]) <= ZERO]
         if not backward:
             break
         # Rays that the others turn back span lines that nobody named: internal forces.
@@ -213,8 +213,7 @@ def _check(U: Array, V: Array) -> None:
     dimension = V.shape[1]
     if not len(U) or (U @ V.T).max() > TOUCHES:
         raise _inconsistent("a ray lies outside a face")
-    apart = np.linalg.norm(U[:, None] - U, axis=2) + 2.0 * np.eye(len(U)) if len(U) <= 512 else np.ones(1)
-    if len(U) > 1 and apart.min() <= SAME:
+    if KDTree(U).query_pairs(SAME):
         raise _inconsistent("two faces are the same but for rounding")
     if dimension < 3:
         return
