@@ -23,7 +23,7 @@ class EquilibriumParameters(Parameters):
     """``[parameters]`` of an equilibrium problem."""
 
     safety: float | None = Field(None, ge=0, description="a finite length >= 0 [m]")
-    simple_test: bool = Field(False, description="true or false")
+    simple_test: bool | None = Field(None, description="true or false")
 
 
 def torque_keys(answer: EquilibriumAnswer | ForceAnswer | None, stance: Stance) -> dict[str, Any]:
@@ -92,7 +92,7 @@ def answer(problem: Problem, stance: Stance, engine: str | Sequence[str]) -> dic
 
         region = trace_support_region(stance, cone=cone, form=stated["form"], engine=engine)
         keys["safety"] = safety_verdict(stance, region.com_margin, stated["safety"])
-    if stated["simple_test"]:
+    if stated.get("simple_test"):
         keys["simple_test"] = simple_tests(stance, cone)
     return keys
 
