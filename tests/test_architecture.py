@@ -33,6 +33,7 @@ FLOORS = {
     "figures": 7.0,
     "viewer": 7.0,
     "report": 7.1,
+    "report_figures": 7.1,
     "cli": 8.0,
     "__main__": 9.0,
     "__init__": 9.0,
