@@ -36,12 +36,18 @@ def carrying_points(X, points, load, reference, carrying, force):
     count = 0
     for k in range(points.shape[0]):
         mu = points[k, 12]
-        n0 = n1 = n2 = 0.0
+        n0 = n1 = n2 = square = 0.0
         for i in range(3):
             n0 -= load[i] * points[k, 9 + i]
             n1 -= load[i] * points[k, 3 + i]
             n2 -= load[i] * points[k, 6 + i]
+            square += points[k, 9 + i] * points[k, 9 + i]
         slide = math.hypot(n1, n2)
+        if mu == 0.0:
+            # A single direction, which need not be a unit vector: the edge of a pyramid.
+            n0 /= square
+            f0, f1, f2 = load[0] + n0 * points[k, 9], load[1] + n0 * points[k, 10], load[2] + n0 * points[k, 11]
+            slide = math.sqrt(f0 * f0 + f1 * f1 + f2 * f2)
         if n0 <= 0.0 or slide > max(mu, FLAT) * n0:
             continue
         carrying[count] = k

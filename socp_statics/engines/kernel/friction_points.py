@@ -18,13 +18,14 @@ FULL_RANK = 1e-8
 
 @inner
 def centre_and_size(points, centre):
-    """Mean contact point, written, and the largest distance between points (1 if there is none)."""
+    """Mean contact point, written, and the largest distance between points (1 if there is none); the edges of a pyramid share one point."""
     n = points.shape[0]
     for i in range(3):
-        total = 0.0
+        total = shares = 0.0
         for k in range(n):
-            total += points[k, i] - points[0, i]
-        centre[i] = points[0, i] + total / n
+            total += points[k, 13] * (points[k, i] - points[0, i])
+            shares += points[k, 13]
+        centre[i] = points[0, i] + total / shares
     largest = 0.0
     for k in range(n):
         x, y, z = points[k, 0], points[k, 1], points[k, 2]
