@@ -6,12 +6,16 @@ from socp_statics.exceptions import InputError
 from socp_statics.postures import GENERATORS
 from socp_statics.registry import nearest
 
-CONTACTS = "contacts"
+CONTACTS, RANDOM_CONTACTS = "contacts", "random_contacts"
+WITHOUT_ROBOT = {
+    CONTACTS: "explicit contacts, centre of mass and mass, no robot",
+    RANDOM_CONTACTS: "seeded random contacts of a family, no robot (family, seed, friction, slope, mass)",
+}
 
 
 def describe_generators() -> dict[str, str]:
-    """One line for each generator: explicit contacts first, then those that pose a robot."""
-    return {CONTACTS: "explicit contacts, centre of mass and mass, no robot", **GENERATORS.describe()}
+    """One line for each generator: those of contacts alone first, then those that pose a robot."""
+    return {**WITHOUT_ROBOT, **GENERATORS.describe()}
 
 
 def check_generator(name: object) -> str:

@@ -9,9 +9,9 @@ from typing import Any
 
 from socp_statics.cases.dotted import parse_key, resolve, with_value
 from socp_statics.cases.named_problems import problem_path
-from socp_statics.cases.posture_statements import contacts_stance
 from socp_statics.cases.problem_text import read_toml
 from socp_statics.cases.robot_posture import robot_stance
+from socp_statics.cases.robotless import robotless_stance
 from socp_statics.cases.schema import read_problem, swept_tables
 from socp_statics.cases.sweep import Values, case_count, case_values, flatten_keys, is_range
 from socp_statics.cones.choice import ConeChoice
@@ -61,7 +61,7 @@ class Problem:
         self.require_single()
         if self.robot_posture is not None:
             return robot_stance(self.robot_posture, self.posture, self.parameters["torque_limits"])
-        return contacts_stance(self.posture)
+        return robotless_stance(self.posture)
 
     @property
     def cone(self) -> ConeChoice:

@@ -11,9 +11,9 @@ from pydantic import Field
 from socp_statics.cases.answers import ANSWERS
 from socp_statics.cases.dotted import key_text, parse_key, resolve, with_value
 from socp_statics.cases.expect import ExpectationStatement, check_expected_key, is_expectation
-from socp_statics.cases.generators import CONTACTS, check_generator
-from socp_statics.cases.posture_statements import ContactsPosture
+from socp_statics.cases.generators import WITHOUT_ROBOT, check_generator
 from socp_statics.cases.robot_posture import check_torque_limits, read_robot_posture
+from socp_statics.cases.robotless import robotless_names, robotless_statement
 from socp_statics.cases.statement import Statement, read_statement
 from socp_statics.cases.sweep import Values, case_values, flatten_keys, is_range, sweep_values
 from socp_statics.exceptions import InputError
@@ -133,12 +133,12 @@ def _read_posture(stated: Mapping[str, Any], folder: Path | None, faults: dict[s
     except InputError as error:
         _collect(faults, "posture.generator", error)
         return None, None, Names()
-    if generator != CONTACTS:
+    if generator not in WITHOUT_ROBOT:
         posture, made = read_robot_posture(stated, folder, faults)
         return posture, made, Names() if made is None else Names(made.support, made.robot.joints)
-    read = read_statement(ContactsPosture, stated, ("posture",), faults)
-    contacts = None if read is None else tuple(contact.name for contact in read.contacts)
-    return None if read is None else read.stated(), None, Names(contacts, ())
+    read = read_statement(robotless_statement(generator), stated, ("posture",), faults)
+    posture = None if read is None else read.stated()
+    return posture, None, Names(None if posture is None else robotless_names(posture), ())
 
 
 def _read_model(model: Any, tables: Mapping[str, Any], names: Names, faults: dict[str, str]) -> tuple[Table, dict[str, Table]]:
