@@ -57,6 +57,8 @@ _HOMES = {
     "load_problem": "cases.problem",
     "solve": "cases.solve",
     "Record": "cases.record",
+    "compare": "comparison",
+    "compare_records": "comparison",
     "compare_regions": "comparison",
     "draw": "figures",
     "draw_robot": "figures",
@@ -68,6 +70,8 @@ if TYPE_CHECKING:
     from socp_statics.cases.problem import load_problem as load_problem
     from socp_statics.cases.record import Record as Record
     from socp_statics.cases.solve import solve as solve
+    from socp_statics.comparison import compare as compare
+    from socp_statics.comparison import compare_records as compare_records
     from socp_statics.comparison import compare_regions as compare_regions
     from socp_statics.cones import ConeChoice as ConeChoice
     from socp_statics.contacts import ContactSet as ContactSet

@@ -24,6 +24,13 @@ def check_expectations(problem: Problem, record: Record) -> None:
 
 def chosen_case(problem: Problem, assignments: Iterable[str], case: int | None) -> Problem:
     """The one case that ``--set`` and ``--case`` leave of a problem; :class:`InputError` if there are several."""
+    problem = case_or_sweep(problem, assignments, case)
+    problem.require_single()
+    return problem
+
+
+def case_or_sweep(problem: Problem, assignments: Iterable[str], case: int | None) -> Problem:
+    """What ``--set`` and ``--case`` leave of a problem, one case or a sweep."""
     from socp_statics.cases.dotted import key_text, parse_assignment
 
     values = {}
@@ -35,10 +42,7 @@ def chosen_case(problem: Problem, assignments: Iterable[str], case: int | None) 
         values[key_text(parts)] = value
     if values:
         problem = problem.with_values(values)
-    if case is not None:
-        return problem.case(case)
-    problem.require_single()
-    return problem
+    return problem if case is None else problem.case(case)
 
 
 def check_engine(problem: Problem, engine: str) -> None:

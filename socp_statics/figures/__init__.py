@@ -12,6 +12,8 @@ from socp_statics.exceptions import InputError
 from socp_statics.figures.answer_figure import answer_figure as answer_figure
 from socp_statics.figures.answer_figure import draw_answer as draw_answer
 from socp_statics.figures.answer_figure import save_figure as save_figure
+from socp_statics.figures.comparison_figure import comparison_figure as comparison_figure
+from socp_statics.figures.comparison_figure import save_comparison as save_comparison
 from socp_statics.figures.draw_following import draw_following as draw_following
 from socp_statics.figures.draw_motion import draw_motion as draw_motion
 from socp_statics.figures.draw_region import draw_base_of_support as draw_base_of_support

@@ -74,7 +74,7 @@ def optimise_contact_forces(
     if objective == "orin_oh":
         return minimise_power_and_peak(stance, rates, 1.0 if b is None else b, cone=choice, form=form, engine=engine)
     data = assemble(stance)
-    F, reference = _measured(data, objective, reference_forces or {})
+    F, reference = measured_forces(data, objective, reference_forces or {})
     equilibrium = check_equilibrium(stance, cone=choice, form=form, engine=engine)
     if equilibrium.verdict == "unstable":
         return infeasible(equilibrium)
@@ -94,8 +94,20 @@ def optimise_contact_forces(
     return answer_of(data, choice, x, "solved", value, gap, solution.engine, handovers, equilibrium)
 
 
-def _measured(data: StaticsData, objective: str, references: Mapping[str, Any]) -> tuple[Array, Array]:
-    """Rows of the measured force components and their reference values, scaled."""
+def measured_forces(data: StaticsData, objective: str, references: Mapping[str, Any]) -> tuple[Array, Array]:
+    """What an objective measures.
+
+    Args:
+        data: The stance's arrays.
+        objective: "least_squares", "normal_force" or "reference".
+        references: Resultant contact forces in world axes by contact [N], for "reference".
+
+    Returns:
+        Rows of the measured force components over x, and their reference values, scaled.
+
+    Raises:
+        InputError: A reference names no contact, or is no force.
+    """
     if objective == "normal_force":
         return np.zeros((0, data.wrench_map.shape[1])), np.zeros(0)
     if objective == "least_squares":
