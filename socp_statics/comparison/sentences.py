@@ -134,7 +134,7 @@ def _cost(row: Mapping[str, Any], exact: Mapping[str, Any]) -> str:
         wide = {"margin": "an infinite margin", "region": "a region where there is none" if nothing else "a region without end"}
         narrow = {"margin": "all that is infinite of the margin", "region": "all that has no end of the region"}
         return (wide if row["kind"] == "circumscribed" else narrow).get(
-            name, "forces where none balance" if row["kind"] == "circumscribed" else "the forces themselves"
+            name, "forces where none balance" if row["kind"] == "circumscribed" else "all balancing forces"
         )
     low, high = _percent(least), _percent(most)
     span = high if low == high else f"up to {high}" if least == 0.0 else f"{low.removesuffix(' %')} to {high}"
