@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import importlib.util
-from collections.abc import Iterable, Mapping, Sequence
+import json
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple
 
 from socp_statics.cases.named_problems import problems_folder
 from socp_statics.cases.problem import Problem, load_problem, problem_from_tables
-from socp_statics.cases.record import Record
 from socp_statics.cases.solve import solve
 from socp_statics.cases.writing import finished_or_absent
 from socp_statics.contacts import Stance
@@ -40,7 +40,33 @@ class Need(NamedTuple):
         return problem.with_values(self.values, "a report figure's") if self.values else problem
 
 
-Records = Mapping[str, Sequence[Record]]
+class Kept(NamedTuple):
+    """A file of ``results/`` that takes too long to make for one figure.
+
+    Attributes:
+        file: Its name there.
+        command: What makes it.
+    """
+
+    file: str
+    command: str
+
+    @property
+    def path(self) -> Path:
+        """Where the file is."""
+        return problems_folder().parent / "results" / self.file
+
+    def read(self) -> Any:
+        """What the file holds.
+
+        Raises:
+            InputError: It is not there, or is no JSON.
+        """
+        try:
+            return json.loads(self.path.read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            message = f"figures: results/{self.file} is expected, made by: {self.command}"
+            raise InputError(message, name=self.file, field="figures") from error
 
 
 def scripts_folder() -> Path:
@@ -61,7 +87,7 @@ def figure_names() -> list[str]:
 
 
 def figure_script(name: str) -> ModuleType:
-    """The script of a figure: ``NEEDS`` (key -> `Need`), ``draw(records)`` and ``caption(records)``.
+    """The script of a figure: ``NEEDS`` (key -> `Need` or `Kept`), ``draw(records)`` and ``caption(records)``.
 
     Args:
         name: Of the figure.
@@ -80,19 +106,23 @@ def figure_script(name: str) -> ModuleType:
     return module
 
 
-def figure_records(script: ModuleType) -> dict[str, list[Record]]:
+def figure_records(script: ModuleType) -> dict[str, Any]:
     """The records a figure draws.
 
     Args:
         script: Of `figure_script`.
 
     Returns:
-        The keys of its ``NEEDS`` with a record for each case.
+        The keys of its ``NEEDS`` with a record for each case, or with what the file kept in ``results/`` holds.
 
     Raises:
+        InputError: A file that is kept in ``results/`` is not there.
         EngineError: A problem could not be solved.
     """
-    return {key: [solve(case, SINGLE) for case in need.stated().cases()] for key, need in script.NEEDS.items()}
+    found: dict[str, Any] = {}
+    for key, need in script.NEEDS.items():
+        found[key] = need.read() if isinstance(need, Kept) else [solve(case, SINGLE) for case in need.stated().cases()]
+    return found
 
 
 def stance_of(record: Mapping[str, Any]) -> Stance:
