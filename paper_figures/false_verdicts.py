@@ -45,4 +45,5 @@ def draw(records: Mapping[str, Any]) -> Figure:
 def caption(records: Mapping[str, Any]) -> str:
     """The sentence of the comparison."""
     comparison = records["families"]
-    return f"{comparison['answer']}. Bands and bars: 95 % confidence (a, c to e), 5 to 95 % of the regions (b). Kernel on both sides.".replace("..", ".")
+    bands = "Bands and bars: 95 % confidence (a, c to e), 5 to 95 % of the regions (b). Kernel on both sides."
+    return f"{comparison['answer'].rstrip('.')}. {bands}"
