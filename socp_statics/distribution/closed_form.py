@@ -24,7 +24,7 @@ from socp_statics.distribution.lever_rule import lever_shares
 from socp_statics.distribution.load_line import LoadLine, load_line
 from socp_statics.exceptions import InputError
 from socp_statics.registry import nearest
-from socp_statics.spatial import Array
+from socp_statics.spatial import Array, skew
 from socp_statics.statics.contact_maps import contact_maps
 
 
@@ -61,7 +61,7 @@ class DistributionQuestion:
         bases = [constraint_basis(contact) for contact in contacts]
         self.owner: NDArray[np.int_] = np.repeat(np.arange(len(bases)), [B.shape[1] for B in bases])
         self.is_moment: NDArray[np.bool_] = np.concatenate([np.flatnonzero(B.any(axis=1)) >= 3 for B in bases])
-        origin = geometry.positions.mean(axis=1)
+        self.origin = origin = geometry.positions.mean(axis=1)
         self.length = _sizes(contacts, geometry)
         arms = (geometry.positions - origin[:, None]) / self.length[:, None, None]
         f, m = geometry.wrench[:, :3], geometry.wrench[:, 3:] - np.cross(origin, geometry.wrench[:, :3])
@@ -126,27 +126,35 @@ class DistributionQuestion:
 
 
 class ClosedForm(NamedTuple):
-    """A distribution in closed form: what it is in one line, its components, and why contacts do not suit it (or None)."""
+    """A distribution in closed form.
+
+    Attributes:
+        line: What it is, in one line.
+        shares: Inverse weights of the scaled components, shape (B, c); None where all are equal.
+        refusal: Why contacts do not suit it, or None.
+        by_lever: Whether it shares the load among contacts by where it acts.
+    """
 
     line: str
-    components: Callable[[DistributionQuestion], Array]
+    shares: Callable[[DistributionQuestion], Array] | None
     refusal: Callable[[ContactSet], str | None] = lambda contacts: None
+    by_lever: bool = False
 
 
 def _pseudoinverse(q: DistributionQuestion) -> Array:
-    return q.solve(q.in_si(np.ones_like(q.unit)))
+    return q.in_si(np.ones_like(q.unit))
 
 
 def _friction_weighted(q: DistributionQuestion) -> Array:
-    return q.solve(q.in_si(1.0 / friction_weights(q.contacts, q.exponent, q.geometry.frictions)))
+    return q.in_si(1.0 / friction_weights(q.contacts, q.exponent, q.geometry.frictions))
 
 
 def _statics_consistent(q: DistributionQuestion) -> Array:
-    return q.solve(q.in_si(q.of_contacts(lever_shares(q.line))))
+    return q.in_si(q.of_contacts(lever_shares(q.line)))
 
 
 def _barycentric(q: DistributionQuestion) -> Array:
-    return q.solve(q.of_contacts(barycentric_shares(q.line)))
+    return q.of_contacts(barycentric_shares(q.line))
 
 
 def _no_lever(contacts: ContactSet) -> str | None:
@@ -161,10 +169,10 @@ def _no_lever(contacts: ContactSet) -> str | None:
 
 CLOSED_FORMS = {
     "pseudoinverse": ClosedForm("least sum of squares in newtons and newton metres", _pseudoinverse),
-    "scaled_pseudoinverse": ClosedForm("least sum of squares with moments over the size of the contacts", DistributionQuestion.plain),
+    "scaled_pseudoinverse": ClosedForm("least sum of squares with moments over the size of the contacts", None),
     "friction_weighted": ClosedForm("as the pseudoinverse, friction components dear where friction is low", _friction_weighted),
-    "statics_consistent": ClosedForm("the lever rule for two or three contacts that carry a whole wrench", _statics_consistent, _no_lever),
-    "barycentric": ClosedForm("the lever rule for any number of contacts", _barycentric),
+    "statics_consistent": ClosedForm("the lever rule for two or three contacts that carry a whole wrench", _statics_consistent, _no_lever, True),
+    "barycentric": ClosedForm("the lever rule for any number of contacts", _barycentric, by_lever=True),
 }
 
 
@@ -185,13 +193,43 @@ def closed_forms(question: DistributionQuestion, methods: Sequence[str] | None =
         methods = [name for name, form in CLOSED_FORMS.items() if form.refusal(question.contacts) is None]
     out = {}
     for name in methods:
-        if name not in CLOSED_FORMS:
-            raise InputError(f"method {name!r} is not known{nearest(name, CLOSED_FORMS)}", name=name, field="method")
-        reason = CLOSED_FORMS[name].refusal(question.contacts)
-        if reason is not None:
-            raise InputError(f"method '{name}': {reason}", name=name, field="method")
-        out[name] = CLOSED_FORMS[name].components(question)
+        shares = checked_form(name, question.contacts).shares
+        out[name] = question.plain() if shares is None else question.solve(shares(question))
     return out
+
+
+def inverses(question: DistributionQuestion, method: str) -> Array:
+    """C^# of a method, to the world origin and in SI: what its components are to any wrench, the shares being those of the load.
+
+    Args:
+        question: Maps and loads.
+        method: A name of `CLOSED_FORMS`.
+
+    Returns:
+        Shape (B, c, 6).
+    """
+    shares = checked_form(method, question.contacts).shares
+    scaled = question.plain_inverse if shares is None else inverse_of_shares(question.map, shares(question))
+    balanced = scaled + question.plain_inverse @ (np.eye(6) - question.map @ scaled)
+    units = np.repeat(np.stack([question.force, question.force * question.length], axis=1), 3, axis=1)
+    to_origin = np.tile(np.eye(6), (len(balanced), 1, 1))
+    to_origin[:, 3:, :3] = -skew(question.origin)
+    return question.unit[:, :, None] * balanced / units[:, None, :] @ to_origin
+
+
+def checked_form(method: str, contacts: ContactSet) -> ClosedForm:
+    """The closed form of a name, if it suits the contacts.
+
+    Raises:
+        InputError: An unknown method, or one that does not suit the contacts.
+    """
+    if method not in CLOSED_FORMS:
+        raise InputError(f"method {method!r} is not known{nearest(method, CLOSED_FORMS)}", name=method, field="method")
+    form = CLOSED_FORMS[method]
+    reason = form.refusal(contacts)
+    if reason is not None:
+        raise InputError(f"method '{method}': {reason}", name=method, field="method")
+    return form
 
 
 def _times(M: Array, v: Array) -> Array:
