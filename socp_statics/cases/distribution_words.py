@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -12,8 +11,10 @@ NOTHING = 5e-4
 
 
 def distribution_lines(record: Mapping[str, Any]) -> list[str]:
-    """The table of methods: per contact the share of the normal force, the centre of pressure and the use of friction; then how far the
-    wrenches are outside their cones, and the worst joint torque where there is a robot.
+    """The table of methods.
+
+    Per contact the share of the normal force, the centre of pressure and the use of friction; then how far the wrenches are outside their
+    cones, and the worst joint torque where there is a robot.
 
     Args:
         record: Of model "wrench_distribution".
@@ -82,4 +83,4 @@ def _number(value: Any) -> str:
 
 
 def _newtons(value: Any) -> str:
-    return "any tension" if value == "inf" else "any compression" if value == "-inf" else f"{value:.6g} N" if math.isfinite(value) else str(value)
+    return {"inf": "any tension", "-inf": "any compression"}[value] if isinstance(value, str) else f"{value:.6g} N"

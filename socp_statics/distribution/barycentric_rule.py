@@ -1,8 +1,8 @@
 """The lever rule for any number of contacts: shares are barycentric coordinates of p among the contacts, none negative.
 
-``F = C^-W F_C`` minimises ``sum_k |F_k|^2 / alpha_k`` with ``sum alpha_k r_k = p``; on level contacts every contact then carries alpha_k of the
-weight. Two contacts have one choice of alpha and three in general position one; of more, the one with the least ``sum alpha_k^2`` is taken.
-Where p is outside the contacts it is first moved to the nearest point between two of them.
+``F = C^-W F_C`` minimises ``sum_k |F_k|^2 / alpha_k`` with ``sum alpha_k r_k = p``; on level contacts every contact then carries alpha_k
+of the weight. Two contacts have one choice of alpha and three in general position one; of more, the one with the least ``sum alpha_k^2``
+is taken. Where p is outside the contacts it is first moved to the nearest point between two of them.
 """
 
 from __future__ import annotations

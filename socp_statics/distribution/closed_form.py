@@ -171,7 +171,9 @@ CLOSED_FORMS = {
     "pseudoinverse": ClosedForm("least sum of squares in newtons and newton metres", _pseudoinverse),
     "scaled_pseudoinverse": ClosedForm("least sum of squares with moments over the size of the contacts", None),
     "friction_weighted": ClosedForm("as the pseudoinverse, friction components dear where friction is low", _friction_weighted),
-    "statics_consistent": ClosedForm("the lever rule for two or three contacts that carry a whole wrench", _statics_consistent, _no_lever, True),
+    "statics_consistent": ClosedForm(
+        "the lever rule for two or three contacts that carry a whole wrench", _statics_consistent, _no_lever, by_lever=True
+    ),
     "barycentric": ClosedForm("the lever rule for any number of contacts", _barycentric, by_lever=True),
 }
 

@@ -1,4 +1,4 @@
-"""What a contact wrench is made of: constraint and mobility parts, hard and soft parts, and what they make of the loop's wrench (3.4.1-2)."""
+"""What a contact wrench is made of: constraint and mobility parts, hard and soft parts, and their share in the loop's wrench (3.4.1-2)."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def constraint_and_mobility(contact: Contact, wrench_C: ArrayLike) -> Parts:
 def hard_and_soft(contact: Contact, wrench_C: ArrayLike) -> Parts:
     """``F_k^c = B_h F_k^h + B_s F_k^s``: what any friction transmits, and what stems from friction; both are reactions.
 
-    Implements (3.29), corrected: as in (3.28) the order of the entries is kept by the bases; B_c and B_m are those of the frictionless joint.
+    Implements (3.29), corrected: the bases keep the order of the entries here too; they are those of the frictionless joint.
 
     Args:
         contact: The contact.

@@ -1,8 +1,8 @@
 """The grasp description matrix: contact wrenches of the null space to internal forces and moments, and back (3.5.2).
 
-``G`` has ``6 + p(p-1)/2 + 3p`` rows, the six of the zero wrench among them, and 6p columns: square, and regular, only for three contacts that
-are not on a line and four that are not in a plane. Everywhere else, double stance among it, its pseudoinverse is meant, and says how well
-it does: what of the wanted internal forces and moments it cannot give.
+``G`` has ``6 + p(p-1)/2 + 3p`` rows, the six of the zero wrench among them, and 6p columns: square, and regular, only for three contacts
+that are not on a line and four that are not in a plane. Everywhere else, double stance among it, its pseudoinverse is meant, and says how
+well it does: what of the wanted internal forces and moments it cannot give.
 """
 
 from __future__ import annotations

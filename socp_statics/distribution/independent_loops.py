@@ -1,7 +1,7 @@
 """Independent loops (3.6.3): the feet stand on the floor, the hands hold an object; each loop has its own internal wrench.
 
-The hands' components are printed as reactions on the *object* (``F_H = G_O``) while F_B contains the object's weight; taken together, the feet
-would carry the robot alone. There are two consistent readings, and they agree:
+The hands' components are printed as reactions on the *object* (``F_H = G_O``) while F_B contains the object's weight; taken together, the
+feet would carry the robot alone. There are two consistent readings, and they agree:
 
 - ``"system"``: robot and object together, ``F_B = G_B + T^T G_O``; the hands are inside the system and do not appear at the feet;
 - ``"robot"``: the robot alone, ``F_B = G_B``; the hand reactions on the robot are minus those on the object.

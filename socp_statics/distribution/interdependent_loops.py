@@ -147,8 +147,8 @@ def with_references(
     """``[F_F; F_H]`` with ``F_H = F_H^ref`` and ``F_F = C_F^# F_B + N_F N_H^+ (F_H^ref - C_H^# F_B)``.
 
     Implements (3.66), corrected: ``N_H N_H^+ = E`` holds only where the other contacts can balance whatever the hands do (feet that carry a
-    whole wrench, not frictionless ones); the rank is checked, and what is missed is said. The feet's share changes with the references: their
-    cones have to be checked again.
+    whole wrench, not frictionless ones); the rank is checked, and what is missed is said. The feet's share changes with the references:
+    their cones have to be checked again.
 
     Args:
         contacts: All contacts.

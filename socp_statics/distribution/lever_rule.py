@@ -1,14 +1,15 @@
 """The generalized inverse that is consistent with statics (5.10.4): the lever rule for two and, nested, for three contacts.
 
-``F = C^-W F_C`` with ``W = blockdiag(w_k E)``. For two contacts ``w_k = |D . (p - r_k)|`` with D from one to the other: the load is shared as on
-a lever. Here the rule is stated by its shares ``alpha_k`` (the inverse weights, which sum to 1), so that it stays well defined where p
-meets a contact, and p is first moved to the nearest point between the contacts: outside, the absolute value would lose its sign. It is
-meant for contacts that carry a whole wrench.
+``F = C^-W F_C`` with ``W = blockdiag(w_k E)``. For two contacts ``w_k = |D . (p - r_k)|`` with D from one to the other: the load is
+shared as on a lever. Here the rule is stated by its shares ``alpha_k`` (the inverse weights, which sum to 1), so that it stays well
+defined where p meets a contact, and p is first moved to the nearest point between the contacts: outside, the absolute value would lose
+its sign. It is meant for contacts that carry a whole wrench.
 """
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from socp_statics.distribution.load_line import LoadLine
 from socp_statics.exceptions import InputError
@@ -74,7 +75,7 @@ def among_three(p: Array, r: Array) -> Array:
     return np.where(inside[..., None], alpha, on_nearest_segment(p, r)) if not inside.all() else alpha
 
 
-def in_triangle(p: Array, a: Array, b: Array, c: Array) -> tuple[Array, Array]:
+def in_triangle(p: Array, a: Array, b: Array, c: Array) -> tuple[Array, NDArray[np.bool_]]:
     """Barycentric coordinates of p in a triangle, shape (..., 3), and whether it is inside a triangle that is not flat, shape (...,)."""
     whole = _twice_area(a, b, c)
     longest = np.maximum(np.maximum(_squared(b - a), _squared(c - b)), _squared(a - c))

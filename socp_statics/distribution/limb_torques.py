@@ -1,7 +1,7 @@
 """The torques of one limb from the wrench of its contact, part by part (3.4.3).
 
-All wrenches are reactions, so every torque here is ``-J^T F``; with gravity, ``tau = g_theta + tau_c + tau_m`` (3.74). In statics the mobility
-part is zero and so is every torque of the dual null space: it would only accelerate the limb.
+All wrenches are reactions, so every torque here is ``-J^T F``; with gravity, ``tau = g_theta + tau_c + tau_m`` (3.74). In statics the
+mobility part is zero and so is every torque of the dual null space: it would only accelerate the limb.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ def permuted_jacobian(J_cR: ArrayLike, J_mR: ArrayLike) -> Array:
 def contact_torque(J_cR: ArrayLike, J_mR: ArrayLike, constrained: ArrayLike, mobile: ArrayLike) -> Array:
     """The sum of the parts, ``tau_k = tau_k^c + tau_k^m = -J_R^T [F_k^c; F_k^m]``; the two are not orthogonal.
 
-    Implements (3.33), corrected: minus, as in (3.31).
+    Implements (3.33), corrected: minus, since the components are reactions.
 
     Args:
         J_cR: Shape (c_k, n_k).

@@ -18,10 +18,11 @@ from typing import Any
 import numpy as np
 
 from socp_statics.cones.choice import ConeChoice, cone_choice
-from socp_statics.contacts import Stance
+from socp_statics.contacts import ContactSet, Stance
 from socp_statics.contacts.numbers import scalar
 from socp_statics.contacts.stance import stance_of
 from socp_statics.distribution.closed_form import CLOSED_FORMS
+from socp_statics.engines import engine_names, engines_for
 from socp_statics.engines.engine import Engine
 from socp_statics.engines.solution import INFEASIBLE, SOLVED, UNBOUNDED, Solution
 from socp_statics.exceptions import EngineError, InputError
@@ -62,8 +63,8 @@ class InternalForceWindow:
     """The window of a stance.
 
     Attributes:
-        kind: "interval", "point" or "empty" of one direction, of two also "segment" and "polygon"; "unbounded" where there is an end missing.
-        lower: The least internal force along the first direction, others as they are asked for; None where empty.
+        kind: "interval", "point" or "empty" of one direction, of two also "segment" and "polygon"; "unbounded" where there is an end
+        missing. lower: The least internal force along the first direction, others as they are asked for; None where empty.
         upper: The largest.
         particular_W: Contact wrenches of the particular solution, world axes, shape (k, 6) [N, N m].
         directions: Contact wrenches per unit in contact frames, shape (1 or 2, k, 6).
@@ -166,8 +167,9 @@ class WindowQuestion:
     """The support programs of a window, scaled: s in units of W."""
 
     def __init__(
-        self, stance: Stance, directions: Array, particular: Array | None, others: str, cone: ConeChoice, form: str, engine: str | Sequence[str]
-    ):
+        self, stance: Stance, directions: Array, particular: Array | None, others: str, cone: ConeChoice, form: str,
+        engine: str | Sequence[str],
+    ):  # fmt: skip
         assert particular is not None
         self.stance, self.cone, self.form, self.engine = stance, cone, form, engine
         self.data: StaticsData = assemble(stance)
@@ -192,9 +194,6 @@ class WindowQuestion:
         Raises:
             EngineError: No engine settled it.
         """
-        # imported here: the answer of a window is listed without a solver
-        from socp_statics.engines import engine_names, engines_for
-
         data, columns = self._program(D)
         reach = wrench_range(np.hstack([data.wrench_map, columns]))
         shape = RegionShape(force_shape(data, self.cone, self.form, reach.rank), D.shape[1], clip is not None)
@@ -246,7 +245,7 @@ class WindowQuestion:
 
     def _reserve_of(self, k: int, wrench: Array) -> float:
         contact = self.stance.contacts[k]
-        alone = assemble(replace(self.stance, contacts=[contact], posture=None, torque_limits=None))
+        alone = assemble(replace(self.stance, contacts=ContactSet([contact]), posture=None, torque_limits=None))
         return wrench_reserve(alone, wrench[None], self.cone, self.form, self.engine)
 
     def set(self, tolerance: float) -> WindowSet:

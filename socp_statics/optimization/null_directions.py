@@ -83,4 +83,5 @@ def _member(contacts: ContactSet, pair: Any) -> dict[str, Array]:
 
 def _refuse_unknown(contacts: ContactSet, name: Any) -> None:
     if name not in contacts.names:
-        raise InputError(f"directions: contact {name!r} is not there{nearest(str(name), contacts.names)}", name=str(name), field="directions")
+        message = f"directions: contact {name!r} is not there{nearest(str(name), contacts.names)}"
+        raise InputError(message, name=str(name), field="directions")

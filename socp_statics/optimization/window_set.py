@@ -54,7 +54,7 @@ def flat_set(farthest: Farthest, clip: float) -> WindowSet | None:
     Raises:
         EngineError: A program of a set that is not empty has no answer.
     """
-    points = []
+    points: list[Array] = []
     for start in START:
         status, point, _ = farthest(np.array(start), clip)
         if status == INFEASIBLE:

@@ -3,9 +3,9 @@
     minimise    sum_k |F_k|^2 + weight sum_k |p_k - p_k,wished|^2
     subject to  the balance and the cones at all contact points
 
-in units of W and size. A centre of pressure ``p_k = (-m_y, m_x) / f_n`` is linear in the wrench only where f_n is frozen in its denominator:
-it is, at the normal force of the barycentric rule, and the numerator is the moment about the wished point, so that the minimum is zero
-exactly where the centre of pressure is wished.
+in units of W and size. A centre of pressure ``p_k = (-m_y, m_x) / f_n`` is linear in the wrench only where f_n is frozen in its
+denominator: it is, at the normal force of the barycentric rule, and the numerator is the moment about the wished point, so that the
+minimum is zero exactly where the centre of pressure is wished.
 """
 
 from __future__ import annotations

@@ -68,4 +68,5 @@ def without_torque_limits(data: StaticsData) -> StaticsData:
     """The arrays without the rows of torque limits; those of handles stay."""
     n = data.handle_limits
     torques = data.torques._replace(limits=np.full_like(data.torques.limits, np.inf) * [-1.0, 1.0])
-    return replace(data, limit_rows=data.limit_rows[:n], limit_values=data.limit_values[:n], limit_names=data.limit_names[:n], torques=torques)
+    rows, values, names = data.limit_rows[:n], data.limit_values[:n], data.limit_names[:n]
+    return replace(data, limit_rows=rows, limit_values=values, limit_names=names, torques=torques)

@@ -1,6 +1,7 @@
 """The torque of the whole robot from the torques of its limbs and from its components (3.6.4).
 
-Contact components are reactions, so what they add to a torque is ``-J^T F``; the torque that holds a posture still is ``g_theta`` plus that.
+Contact components are reactions, so what they add to a torque is ``-J^T F``; the torque that holds a posture still is ``g_theta`` plus
+that.
 """
 
 from __future__ import annotations

@@ -20,8 +20,9 @@ if TYPE_CHECKING:
 CLOSED = ("pseudoinverse", "scaled_pseudoinverse", "friction_weighted", "statics_consistent", "barycentric")
 ALL = "all"
 Method = Literal[
-    "all", "pseudoinverse", "scaled_pseudoinverse", "friction_weighted", "statics_consistent", "barycentric", "qp", "least_squares", "minimax"
-]
+    "all", "pseudoinverse", "scaled_pseudoinverse", "friction_weighted", "statics_consistent", "barycentric", "qp", "least_squares",
+    "minimax",
+]  # fmt: skip
 Reference = Annotated[list[float], Field(min_length=3, max_length=6, description="a force of 3 or a wrench of 6 finite numbers [N, N m]")]
 Point = Annotated[list[float], Field(min_length=2, max_length=2, description="two finite numbers [m], in the contact plane")]
 METHOD_KEYS: dict[str, Any] = {
@@ -69,7 +70,8 @@ class WrenchDistributionParameters(Parameters):
                     raise InputError(f"{key} names {name!r}, which is no contact{nearest(name, known)}", field=key)
         for name, value in (self.references or {}).items():
             if len(value) not in (3, 6):
-                raise InputError(f"references of {name!r}: a force of 3 or a wrench of 6 numbers is expected, got {len(value)}", field="references")
+                message = f"references of {name!r}: a force of 3 or a wrench of 6 numbers is expected, got {len(value)}"
+                raise InputError(message, field="references")
         if self.references and self.method not in (*CLOSED, ALL):
             raise InputError(f"references go with methods in closed form, not with {self.method!r}", field="references")
         if self.cops and self.method not in ("qp", ALL):
@@ -83,9 +85,8 @@ def method_keys(found: Distribution) -> dict[str, Any]:
     measures = found.measures
     if measures is None or found.wrenches_W is None:
         return keys
-    wrenches = [
-        {"contact": name, "force": F[:3].tolist(), "moment": F[3:].tolist()} for name, F in zip(found.contacts, found.wrenches_W, strict=True)
-    ]
+    by_contact = zip(found.contacts, found.wrenches_W, strict=True)
+    wrenches = [{"contact": name, "force": F[:3].tolist(), "moment": F[3:].tolist()} for name, F in by_contact]
     return keys | {
         "objective": found.objective,
         "normal_force": measures.normal_force,
