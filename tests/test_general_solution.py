@@ -17,9 +17,13 @@ from socp_statics.statics import contact_map
 
 RNG = np.random.default_rng(11)
 UP = (0, 0, 1)
-FEET = ContactSet([SurfaceContact(name, (0.0, y, 0.0), normal=UP, friction=0.6, size=(0.2, 0.1)) for name, y in (("left", 0.1), ("right", -0.1))])
+FEET = ContactSet(
+    [SurfaceContact(name, (0.0, y, 0.0), normal=UP, friction=0.6, size=(0.2, 0.1)) for name, y in (("left", 0.1), ("right", -0.1))]
+)
 POINTS = ContactSet([PointContact(name, (0.0, y, 0.0), normal=UP, friction=0.6) for name, y in (("left", 0.1), ("right", -0.1))])
-ICE = ContactSet([FrictionlessSurfaceContact(name, (0.0, y, 0.0), normal=UP, size=(0.2, 0.1)) for name, y in (("left", 0.1), ("right", -0.1))])
+ICE = ContactSet(
+    [FrictionlessSurfaceContact(name, (0.0, y, 0.0), normal=UP, size=(0.2, 0.1)) for name, y in (("left", 0.1), ("right", -0.1))]
+)
 LOAD = np.array([0.0, 0.0, 588.6, 10.0, -20.0, 0.0])
 
 

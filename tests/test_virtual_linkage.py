@@ -122,7 +122,9 @@ def test_3_49_elsewhere_the_pseudoinverse_says_what_it_misses(p):
     G = grasp_description(r, POINT)
     found = contact_wrenches_of(G, RNG.normal(size=p * (p - 1) // 2), RNG.normal(size=3 * p))
     assert not found.exact and np.abs(found.missed).max() > 1e-3
-    attainable = internal_wrench(G, *np.split(general_solution(np.hstack([force_map(r, POINT), moment_map(p)]), np.zeros(6)).basis[:, 0], 2))
+    attainable = internal_wrench(
+        G, *np.split(general_solution(np.hstack([force_map(r, POINT), moment_map(p)]), np.zeros(6)).basis[:, 0], 2)
+    )
     again = contact_wrenches_of(G, attainable[1].forces, attainable[1].moments)
     assert again.exact and np.abs(net_internal_wrench(r, POINT, again.forces, again.moments)).max() < 1e-10
 
