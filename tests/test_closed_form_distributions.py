@@ -239,3 +239,19 @@ ONE_FOOT = ContactSet(list(hoap2_feet())[:1])
 def test_wrong_input_is_named(call, words):
     with pytest.raises(InputError, match=words):
         call()
+
+
+def test_a_yaw_moment_does_not_move_the_centre_of_pressure():
+    push = ss.ExternalWrench(force=(50.0, 0, 0), moment=(0, 0, 7.0), point=(0.0, 0.0, 0.0))
+    stance = Stance(hoap2_feet(), (0.0, 0.01, 0.24), 20.0, external_wrenches=(push,))
+    right, left = distribute_many([stance]).wrenches("barycentric")[0]
+    assert np.abs([right[3], left[3]]).max() < 1e-10, "both feet press at the middle of their width"
+    assert left[2] / (left[2] + right[2]) == pytest.approx(0.049 / 0.078, abs=1e-12)
+
+
+def test_a_load_without_gravity_or_across_it_has_its_own_line():
+    f = np.array([0.0, 3.0, 0.0])
+    wrench = np.concatenate([f, np.cross([0.2, 0, 0.1], f)])
+    for up in (np.zeros(3), np.array([0, 0, 9.81]), None):
+        line = load_line(wrench, np.array([[0.2, -5.0, 0.1]]), up)
+        assert np.allclose(line.point, line.contacts[0], atol=1e-12)

@@ -24,7 +24,10 @@ FAST = ("clarabel", "cvxpy")
 NAME = "chapter/noncoplanar_double_stance"
 
 
-def roof(roll=np.deg2rad(15), friction=0.2, com=(0.009, 0.01, 0.24)):
+SLOPE = np.deg2rad(15)
+
+
+def roof(roll=SLOPE, friction=0.2, com=(0.009, 0.01, 0.24)):
     feet = [
         SurfaceContact(name, (0, side * 0.039, 0), rpy=(side * roll, 0, 0), friction=friction, vertices=SOLE)
         for name, side in (("right_foot", -1), ("left_foot", 1))
@@ -152,7 +155,7 @@ def test_torques_belong_to_the_wrenches_and_the_worst_joint_is_named(name):
 
 
 def test_a_method_that_does_not_suit_is_kept_with_its_reason():
-    corners = [PointContact(f"p{i}", p, normal=UP, friction=0.5) for i, p in enumerate([(0.2, 0.1, 0), (0.2, -0.1, 0), (-0.2, 0.1, 0), (-0.2, -0.1, 0)])]
+    corners = [PointContact(f"p{x}{y}", (0.2 * x, 0.1 * y, 0), normal=UP, friction=0.5) for x in (1, -1) for y in (1, -1)]
     stance = Stance(ContactSet(corners), (0.05, 0.02, 0.3), 10.0)
     compared = ss.compare_distributions(stance, engine=FAST)
     assert compared["statics_consistent"].status == "unsuitable" and "here are 4" in compared["statics_consistent"].note

@@ -36,12 +36,14 @@ class Geometry(NamedTuple):
         rotations: R_WC, shape (B, k, 3, 3).
         frictions: Shape (B, k).
         wrench: Reaction wanted, about the world origin, shape (B, 6) [N, N m].
+        up: Against gravity, shape (B, 3), of any length, zero without gravity.
     """
 
     positions: Array
     rotations: Array
     frictions: Array
     wrench: Array
+    up: Array
 
 
 class DistributionQuestion:
@@ -85,7 +87,7 @@ class DistributionQuestion:
     @cached_property
     def line(self) -> LoadLine:
         """The line of the load among the contacts, scaled."""
-        return load_line(self.wrench, self._arms)
+        return load_line(self.wrench, self._arms, self.geometry.up)
 
     def solve(self, shares: Array) -> Array:
         """Components with the least ``y^T S^-1 y`` of diagonal S, balanced.

@@ -99,6 +99,7 @@ def question_of(stances: Sequence[Stance], friction_exponent: float = 1.0) -> Di
         rotations=np.array([[c.rotation for c in contacts] for contacts in sets]),
         frictions=np.array([[c.friction for c in contacts] for contacts in sets]),
         wrench=np.array([load_reaction(stance) for stance in stances]),
+        up=np.array([-stance.gravity for stance in stances]),
     )
     return DistributionQuestion(stances[0].contacts, geometry, friction_exponent)
 
@@ -158,4 +159,4 @@ def _geometry(
             raise InputError(f"{word}: shape {shape} is expected, got {array.shape}", name=word, field=word)
     force = np.broadcast_to(-mass * gravity, (B, 3))
     mu = np.broadcast_to(np.array([c.friction for c in contacts]), (B, k))
-    return Geometry(r, R, mu, np.hstack([force, cross(coms, force)]))
+    return Geometry(r, R, mu, np.hstack([force, cross(coms, force)]), np.broadcast_to(-gravity, (B, 3)))

@@ -80,7 +80,7 @@ def _the_given_first(stance: Stance, method: str, wanted: Mapping[str, Array], o
     rest = load_reaction(stance) - contact_map(contacts, ORIGIN) @ components
     geometry = Geometry(
         np.array([[c.position for c in others]]), np.array([[c.rotation for c in others]]), np.array([[c.friction for c in others]]),
-        rest[None],
+        rest[None], -stance.gravity[None],
     )  # fmt: skip
     components[~mine] = closed_forms(DistributionQuestion(others, geometry), [method])[method][0]
     return GivenWrenches(components, True, 0.0, "")

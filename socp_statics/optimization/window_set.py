@@ -25,9 +25,9 @@ class WindowSet(NamedTuple):
 
     Attributes:
         kind: "polygon", "segment", "point", "empty" or "unbounded"; unbounded ones are cut off at 10 W.
-        inner: Attained points, counter-clockwise, shape (k, 2) [N].
-        outer: Corners of the supporting lines, shape (l, 2) [N]; the inner points of a segment, a point or an empty set.
-        inner_area: Area of the inner polygon [N^2].
+        inner: Attained points, counter-clockwise, shape (k, 2), in units of the two directions (newtons for members).
+        outer: Corners of the supporting lines, shape (l, 2); the inner points of a segment, a point or an empty set.
+        inner_area: Area of the inner polygon.
         relative_gap: (outer area - inner area) / outer area.
         solves: Number of programs.
     """
