@@ -195,14 +195,23 @@ def test_a_broken_program_is_no_answer():
         ss.distribute(roof(), "qp", engine="no such engine")
 
 
-def test_the_table_of_the_command_line(capsys):
+@pytest.fixture
+def unexpecting(tmp_path, capsys):
+    """The named problem as a file without its expectations, which belong to all methods at once."""
+    main(["show", NAME, "--toml"])
+    path = tmp_path / "valley.toml"
+    path.write_text(capsys.readouterr().out.partition("[expect]")[0])
+    return str(path)
+
+
+def test_the_table_of_the_command_line(unexpecting, capsys):
     assert main(["solve", NAME, "--set", "parameters.method=all"]) == 0
     printed = capsys.readouterr().out
     for name in METHODS:
         assert f" {name} " in printed
     for word in ("share [%]", "CoP [mm]", "friction use", "outside cone [N]", "worst torque [N m]", "1.340 1.340", "62.8 37.2"):
         assert word in printed
-    assert main(["solve", NAME, "--set", "parameters.method=qp", "--json", "-"]) == 0
+    assert main(["solve", unexpecting, "--set", "parameters.method=qp", "--json", "-"]) == 0
     record = json.loads(capsys.readouterr().out)
     assert list(record["distribution"]["methods"]) == ["qp"] and record["objective"] == record["distribution"]["methods"]["qp"]["objective"]
     for given, shown in zip(record["wrenches"], record["distribution"]["methods"]["qp"]["wrenches"], strict=True):
@@ -220,8 +229,8 @@ def test_every_method_of_the_record_carries_the_weight(method, record):
     assert weight == pytest.approx(6.2431648 * 9.81, rel=1e-12 if method in CLOSED_FORMS else 1e-8)
 
 
-def test_one_method_prints_its_own_wrenches(record, capsys):
-    assert main(["solve", NAME, "--set", "parameters.method=pseudoinverse"]) == 0
+def test_one_method_prints_its_own_wrenches(record, unexpecting, capsys):
+    assert main(["solve", unexpecting, "--set", "parameters.method=pseudoinverse"]) == 0
     f_z = record["distribution"]["methods"]["pseudoinverse"]["wrenches"][0]["force"][2]
     assert f"{f_z:.4g}] N, moment" in capsys.readouterr().out
 
@@ -242,9 +251,9 @@ def test_wrong_files_are_answered_in_one_sentence(setting, words, capsys):
     assert words in capsys.readouterr().err.strip().splitlines()[-1]
 
 
-def test_without_friction_a_valley_holds_and_a_slope_says_what_is_missing(capsys):
-    assert main(["solve", NAME, "--set", "posture.friction=0"]) == 0
+def test_without_friction_a_valley_holds_and_a_slope_says_what_is_missing(unexpecting, capsys):
+    assert main(["solve", unexpecting, "--set", "posture.friction=0"]) == 0
     assert "'left_foot' has 3 of 6 components" in capsys.readouterr().out
     pitched = ["--set", "posture.left=[0.2, 0.1]", "--set", "posture.right=[-0.2, 0.1]"]
-    assert main(["solve", NAME, "--set", "posture.friction=0", *pitched]) == 2
+    assert main(["solve", unexpecting, "--set", "posture.friction=0", *pitched]) == 2
     assert "the load cannot be balanced: the contacts (rank " in capsys.readouterr().err.strip().splitlines()[-1]
