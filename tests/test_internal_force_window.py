@@ -191,3 +191,18 @@ def test_the_window_of_the_command_line(capsys):
 def test_wrong_files_are_answered_in_one_sentence(setting, words, capsys):
     assert main(["solve", "chapter/internal_force_window", "--set", setting]) == 2
     assert words in capsys.readouterr().err.strip().splitlines()[-1]
+
+
+def test_windows_are_drawn(tmp_path):
+    window = ss.internal_force_window(roof(0.2, 0.3), [FEET], **SETTINGS)
+    ax = ss.draw(window)
+    assert ax.get_xlim()[0] < window.lower.value and ax.get_xlim()[1] > window.upper.value
+    twist = {"right_foot": [0, 0, 0, 0, 0, 1], "left_foot": [0, 0, 0, 0, 0, -1]}
+    both = ss.draw(ss.internal_force_window(roof(0.2, 0.3), [FEET, twist], **SETTINGS))
+    assert len(both.get_lines()) >= 3 and len(both.patches) == 1 and both.get_ylim()[1] > both.get_ylim()[0]
+    empty = ss.draw(ss.internal_force_window(roof(0.2, 0.1, com=(0.2, 0, 0.24)), [FEET], **SETTINGS))
+    assert empty.get_xlim()[0] < 0 < empty.get_xlim()[1]
+    for name in ("internal_force_window", "internal_force_set"):
+        path = tmp_path / f"{name}.png"
+        assert main(["solve", f"chapter/{name}", "--figure", str(path)]) == 0
+        assert path.stat().st_size > 5_000

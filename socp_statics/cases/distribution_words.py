@@ -66,7 +66,8 @@ def window_lines(record: Mapping[str, Any]) -> list[str]:
             if end["stopped_by"]:
                 lines.append(f"{word} it gives way: {', '.join(end['stopped_by'])}")
     if "set" in window:
-        lines.append(f"with {words[1]}: {window['kind']}, area {window['set']['inner_area']:.6g} in units of both, {window['set']['solves']} programs")
+        found = window["set"]
+        lines.append(f"with {words[1]}: {window['kind']}, area {found['inner_area']:.6g} in units of both, {found['solves']} programs")
     return lines
 
 

@@ -37,8 +37,8 @@ def load_line(wrench: Array, positions: Array, up: Array | None = None) -> LoadL
     Args:
         wrench: Force and moment of the load about the point that positions are relative to, shape (..., 6) [N, N m].
         positions: Of the contacts, shape (..., k, 3) [m].
-        up: Against gravity, of any length, shape (..., 3) or (3,): the moment left over is along it. Where it is zero or the force is across
-            it, and without it, the moment left over is along the force.
+        up: Against gravity, of any length, shape (..., 3) or (3,): the moment left over is along it. Where it is zero or the force is
+            across it, and without it, the moment left over is along the force.
 
     Returns:
         The points.
