@@ -206,3 +206,56 @@ def test_windows_are_drawn(tmp_path):
         path = tmp_path / f"{name}.png"
         assert main(["solve", f"chapter/{name}", "--figure", str(path)]) == 0
         assert path.stat().st_size > 5_000
+
+
+def test_the_five_link_example_of_the_chapter_by_its_regression_numbers():
+    """Section 3.6.5, example 1: hips and ankles rolled 5 deg outward, internal force of -5, 0 and +5 N at the soles."""
+    roll = np.deg2rad(5)
+    angles = {
+        "LARM_JOINT1": np.pi / 2,
+        "RARM_JOINT1": np.pi / 2,
+        "RLEG_JOINT2": -roll,
+        "RLEG_JOINT6": roll,
+        "LLEG_JOINT2": roll,
+        "LLEG_JOINT6": -roll,
+    }
+    posture = ss.pose(robot("hoap2"), angles, friction=0.5)
+    y = [posture.contacts[name].position[1] - posture.com_W[1] for name in FEET]
+    assert y == pytest.approx([-0.05643, 0.05643], abs=1e-4)
+    base = ss.distribute(posture, "barycentric", **SETTINGS)
+    D = null_direction(posture.contacts, FEET)
+    J = np.vstack([posture.jacobian[c.name] for c in posture.contacts])
+    joints = posture.robot.joints
+    expected = {0.0: (0.403, 0.0), -5.0: (1.584, 0.185), 5.0: (-0.778, -0.185)}
+    for internal, (hip, ankle) in expected.items():
+        local = base.wrenches_C + internal * D
+        world = np.concatenate([np.kron(np.eye(2), c.rotation) @ F for c, F in zip(posture.contacts, local, strict=True)])
+        assert world[2] == pytest.approx(30.62, abs=0.01) and world[8] == pytest.approx(30.62, abs=0.01)
+        tau = dict(
+            zip(
+                joints,
+                ss.static_torque(ss.gravity_torque(posture.com_jacobian, posture.mass, np.array([0, 0, -9.81])), J, world),
+                strict=True,
+            )
+        )
+        assert tau["RLEG_JOINT2"] == pytest.approx(hip, abs=2e-3) and tau["LLEG_JOINT2"] == pytest.approx(-hip, abs=2e-3)
+        assert tau["RLEG_JOINT6"] == pytest.approx(ankle, abs=2e-3) and tau["LLEG_JOINT6"] == pytest.approx(-ankle, abs=2e-3)
+
+
+@pytest.mark.parametrize("degrees", [10, 30])
+@pytest.mark.parametrize("y", [0.0, 0.03])
+def test_d32_an_internal_force_makes_the_needed_friction_zero(degrees, y):
+    roll = np.deg2rad(degrees)
+    stance = roof(roll, 1e-3, com=(0.0, y, 0.24))
+    assert ss.internal_force_window(stance, [FEET], others="free", **SETTINGS).kind == "interval"
+    base = ss.distribute(stance, "barycentric", **SETTINGS)
+    assert 1e-3 * base.measures.friction_use["left_foot"] == pytest.approx(np.tan(roll), rel=1e-9)
+
+
+@pytest.mark.parametrize("engine", ["kernel", "cvxpy"])
+def test_every_engine_finds_the_same_window(engine):
+    one, other = (
+        ss.internal_force_window(roof(0.25, 0.3, com=(0.01, 0.01, 0.24)), [FEET], others="free", engine=e) for e in ("clarabel", engine)
+    )
+    assert other.engine == engine
+    assert one.lower.value == pytest.approx(other.lower.value, abs=1e-6) and one.upper.value == pytest.approx(other.upper.value, abs=1e-6)

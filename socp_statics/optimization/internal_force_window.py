@@ -23,7 +23,6 @@ from socp_statics.contacts.numbers import scalar
 from socp_statics.contacts.stance import stance_of
 from socp_statics.distribution.closed_form import CLOSED_FORMS
 from socp_statics.engines import engine_names, engines_for
-from socp_statics.engines.engine import Engine
 from socp_statics.engines.solution import INFEASIBLE, SOLVED, UNBOUNDED, Solution
 from socp_statics.exceptions import EngineError, InputError
 from socp_statics.models.contact_forces_set import force_shape, force_values
@@ -145,19 +144,18 @@ def internal_force_window(
     base = distribute(posed, particular, cone=choice, form=form, engine=engine)
     equilibrium = check_equilibrium(posed, cone=choice, form=form, engine=engine)
     question = WindowQuestion(posed, np.array(given), base.wrenches_C, others, choice, form, engine)
-    lower, upper, kind, found = question.ends(), None, "empty", None
-    first, last = lower if lower is not None else (None, None)
-    if first is not None and last is not None:
-        upper = last
-        kind = _kind(first.value, last.value, question.data.units.force)
-    if len(given) == 2:
-        found = question.set(tolerance)
-        kind = found.kind
+    ends = question.ends()
+    found = question.set(tolerance) if len(given) == 2 else None
+    kind = _kind(ends, question.data.units.force) if found is None else found.kind
+    lower, upper = (None, None) if ends is None else ends
     assert base.wrenches_W is not None
-    return InternalForceWindow(kind, first, upper, base.wrenches_W, np.array(given), found, others, question.engine_used, equilibrium)
+    return InternalForceWindow(kind, lower, upper, base.wrenches_W, np.array(given), found, others, question.engine_used, equilibrium)
 
 
-def _kind(lower: float, upper: float, W: float) -> str:
+def _kind(ends: tuple[WindowEnd, WindowEnd] | None, W: float) -> str:
+    if ends is None:
+        return "empty"
+    lower, upper = (end.value for end in ends)
     if not (np.isfinite(lower) and np.isfinite(upper)):
         return "unbounded"
     return "point" if upper - lower <= 1e-9 * W else "interval"
@@ -201,15 +199,12 @@ class WindowQuestion:
         values |= {"D": reach.basis.T @ columns, "direction": direction, "box": np.full(D.shape[1], clip or 1.0)}
         details = []
         for one in engines_for(self.engine, self.form):
-            solution = self._ask(one, shape, values)
+            solution = one.compile(MODEL, shape).solve(values)
             if solution.status in (SOLVED, INFEASIBLE, UNBOUNDED):
                 self.engine_used = self.engine_used or one.name
                 return solution
             details.append(f"{one.name}: {solution.detail}")
         raise EngineError(f"the internal-force window was not settled ({'; '.join(details)})", name=engine_names(self.engine)[-1])
-
-    def _ask(self, one: Engine, shape: RegionShape, values: Mapping[str, Any]) -> Solution:
-        return one.compile(MODEL, shape).solve(values)
 
     def ends(self) -> tuple[WindowEnd, WindowEnd] | None:
         """The ends of the interval along the first direction, None where it is empty."""
@@ -230,12 +225,8 @@ class WindowQuestion:
 
     def _stopped_by(self, local: Array, world: Array) -> tuple[str, ...]:
         """Contacts without reserve and joints at a limit."""
-        names = []
-        for k, contact in enumerate(self.stance.contacts):
-            alone = np.zeros_like(local)
-            alone[k] = local[k]
-            if contact.unilateral and self._reserve_of(k, local[k]) < AT_THE_END * self.data.units.force:
-                names.append(contact.name)
+        least = AT_THE_END * self.data.units.force
+        names = [c.name for k, c in enumerate(self.stance.contacts) if c.unilateral and self._reserve_of(k, local[k]) < least]
         if self.stance.torque_limits is not None:
             tau, limits = torques_of(self.stance, world), self.stance.torque_limits
             near = AT_THE_END * self.data.units.force * self.data.units.length

@@ -11,7 +11,7 @@ import numpy as np
 from socp_statics.cones.choice import ConeChoice, cone_choice
 from socp_statics.contacts import Stance
 from socp_statics.contacts.stance import stance_of
-from socp_statics.distribution.closed_form import CLOSED_FORMS, checked_form, closed_forms
+from socp_statics.distribution.closed_form import CLOSED_FORMS, closed_forms
 from socp_statics.distribution.distributions import load_reaction, question_of, wrenches_C
 from socp_statics.distribution.given_wrenches import distribute_around
 from socp_statics.exceptions import EngineError, InputError
@@ -211,7 +211,6 @@ class _Question:
         return CLOSED_FORMS[method].refusal(self.stance.contacts)
 
     def _closed_form(self, method: str) -> Distribution:
-        checked_form(method, self.stance.contacts) if not self.references else None
         note = ""
         if self.references:
             try:
