@@ -83,9 +83,9 @@ def test_d22_friction_weights_the_right_way_round():
         return np.hypot(F[0], F[1]) / F[2]
 
     assert use(np.ones(12)) == pytest.approx(np.tan(np.deg2rad(15)), abs=1e-6)
-    assert use(1.0 / friction_weights(feet)) == pytest.approx(1.34, abs=5e-3)
-    assert use(friction_weights(feet)) == pytest.approx(0.054, abs=5e-4)
-    assert use(friction_weights(feet, 2.0)) == pytest.approx(0.011, abs=5e-4)
+    assert use(1.0 / friction_weights(feet, 1.0)) == pytest.approx(1.34, abs=5e-3)
+    assert use(friction_weights(feet, 1.0)) == pytest.approx(0.054, abs=5e-4)
+    assert use(friction_weights(feet)) == pytest.approx(0.011, abs=5e-4)
 
 
 def test_d22_friction_weights_are_ordered_contact_by_contact():
@@ -95,7 +95,7 @@ def test_d22_friction_weights_are_ordered_contact_by_contact():
         FrictionlessSurfaceContact("c", (2, 0, 0), normal=UP, size=(0.1, 0.1)),
         Handle("d", (0, 1, 1), rpy=(0, 0, 0), transmits=["fx", "fz"]),
     ])  # fmt: skip
-    assert friction_weights(contacts).tolist() == [2, 2, 1, 4, 4, 1, 1, 1, 4, 1, 1, 1, 1, 1]
+    assert friction_weights(contacts, 1.0).tolist() == [2, 2, 1, 4, 4, 1, 1, 1, 4, 1, 1, 1, 1, 1]
     with pytest.raises(InputError, match="friction_exponent must be"):
         friction_weights(contacts, 0.0)
 

@@ -16,8 +16,8 @@ One file for each idea of Sections 3.4 to 3.6, in their order:
     independent_loops      (3.67)-(3.70)   feet on the floor, hands on an object
 
 Section 5.10.4 is `lever_rule` and `barycentric_rule`, on the line of the load (`load_line`); `closed_form` has all methods side by side,
-for batches too (`distributions`), `given_wrenches` those with references. Contact maps, the wrench of the composite rigid body and gravity,
-(3.55)-(3.60), and whole torques, (3.71)-(3.75), are in `socp_statics.statics`.
+for batches too (`distributions`, `scaled_question`), `given_wrenches` those with references. Contact maps, the wrench of the composite
+rigid body and gravity, (3.55)-(3.60), and whole torques, (3.71)-(3.75), are in `socp_statics.statics`.
 """
 
 from socp_statics.distribution.closed_form import CLOSED_FORMS as CLOSED_FORMS

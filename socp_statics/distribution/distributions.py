@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike
 from socp_statics.contacts import ContactSet, Stance
 from socp_statics.contacts.joint import constraint_basis
 from socp_statics.contacts.stance import GRAVITY_W, as_contact_set, stance_of
-from socp_statics.distribution.closed_form import DistributionQuestion, Geometry, closed_forms
+from socp_statics.distribution.closed_form import closed_forms
+from socp_statics.distribution.scaled_question import DistributionQuestion, Geometry
 from socp_statics.exceptions import InputError
 from socp_statics.spatial import Array, cross
 
@@ -75,7 +76,7 @@ def load_reaction(stance: Stance) -> Array:
     return out
 
 
-def question_of(stances: Sequence[Stance], friction_exponent: float = 1.0) -> DistributionQuestion:
+def question_of(stances: Sequence[Stance], friction_exponent: float = 2.0) -> DistributionQuestion:
     """The question of stances with equal contacts.
 
     Args:
@@ -112,7 +113,7 @@ def distribute_many(
     positions: ArrayLike | None = None,
     rotations: ArrayLike | None = None,
     methods: Sequence[str] | None = None,
-    friction_exponent: float = 1.0,
+    friction_exponent: float = 2.0,
     gravity: ArrayLike = GRAVITY_W,
 ) -> Distributions:
     """The closed-form distributions of many stances with equal contacts.

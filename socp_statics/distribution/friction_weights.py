@@ -12,12 +12,12 @@ from socp_statics.exceptions import InputError
 from socp_statics.spatial import Array
 
 
-def friction_weights(contacts: ContactSet, exponent: float = 1.0, frictions: ArrayLike | None = None) -> Array:
+def friction_weights(contacts: ContactSet, exponent: float = 2.0, frictions: ArrayLike | None = None) -> Array:
     """The diagonal of W_mu: 1 for hard components, ``mu_k^-exponent`` for the soft ones f_x, f_y, m_z.
 
     Args:
         contacts: The contacts; components in their order.
-        exponent: 1 or 2 are usual: the larger, the dearer is tangential force where friction is low.
+        exponent: 1 or 2 are usual, 2 is that of the simple static test: the larger, the dearer is tangential force where friction is low.
         frictions: Coulomb coefficients instead of the contacts' own, shape (..., k), for a batch.
 
     Returns:

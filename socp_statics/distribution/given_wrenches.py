@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from socp_statics.contacts import ContactSet, Stance
-from socp_statics.distribution.closed_form import DistributionQuestion, Geometry, checked_form, closed_forms, inverses
+from socp_statics.distribution.closed_form import checked_form, closed_forms, inverses
 from socp_statics.distribution.distributions import load_reaction, question_of
 from socp_statics.distribution.interdependent_loops import chosen_components, reference_components, with_references
+from socp_statics.distribution.scaled_question import DistributionQuestion, Geometry
 from socp_statics.exceptions import InputError
 from socp_statics.registry import nearest
 from socp_statics.spatial import Array
@@ -40,7 +41,7 @@ class GivenWrenches(NamedTuple):
     words: str
 
 
-def distribute_around(stance: Stance, method: str, references: Mapping[str, ArrayLike], friction_exponent: float = 1.0) -> GivenWrenches:
+def distribute_around(stance: Stance, method: str, references: Mapping[str, ArrayLike], friction_exponent: float = 2.0) -> GivenWrenches:
     """Contact components of a stance in which some contacts have given wrenches.
 
     Args:

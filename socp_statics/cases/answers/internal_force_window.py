@@ -15,7 +15,8 @@ from socp_statics.registry import nearest
 if TYPE_CHECKING:
     from socp_statics.cases.problem import Problem
     from socp_statics.contacts import Stance
-    from socp_statics.optimization.internal_force_window import InternalForceWindow, WindowEnd
+    from socp_statics.optimization.internal_force_window import InternalForceWindow
+    from socp_statics.optimization.window_programs import WindowEnd
 
 Wrench = Annotated[list[float], Field(min_length=3, max_length=6, description="a force of 3 or a wrench of 6 finite numbers")]
 Direction = list[str] | dict[str, Wrench]

@@ -54,7 +54,7 @@ class WrenchDistributionParameters(Parameters):
         description="'all', 'pseudoinverse', 'scaled_pseudoinverse', 'friction_weighted', 'statics_consistent', 'barycentric', 'qp', "
         "'least_squares' or 'minimax'",
     )
-    friction_exponent: float = Field(1.0, gt=0, description="a finite number > 0: weights mu^-exponent on friction components")
+    friction_exponent: float = Field(2.0, gt=0, description="a finite number > 0: weights mu^-exponent on friction components")
     cop_weight: float = Field(1.0, ge=0, description="a finite number >= 0")
     cops: dict[str, Point] | None = Field(None, description="a table of contact = [x, y] in the contact plane [m]")
     references: dict[str, Reference] | None = Field(
