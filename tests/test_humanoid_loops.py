@@ -266,3 +266,25 @@ def test_d26_d28_the_body_wrench_and_the_net_wrench():
     assert np.allclose(F_B, gravity_at_base(posture), atol=1e-11), "equilibrium is F_B = G_B, not minus it"
     assert np.allclose(summed_wrench(posture.p_WB, r, W[:, :3], W[:, 3:]), F_B, atol=1e-11)
     assert np.allclose(ss.net_wrench(F_B, posture.p_WB, r, W[:, :3]), W.sum(axis=0), atol=1e-11)
+
+
+@pytest.mark.parametrize("name", POSTURES)
+def test_3_67_to_3_70_on_a_robot_with_an_object_between_its_hands(name):
+    """Feet, hands and object of a random posture: both readings agree, and the arms feel the object while the feet feel the sum."""
+    posture = random_posture(name, 9)
+    standing_on = [posture.contacts[c] for c in ("left_foot", "right_foot")]
+    places = [posture.contacts[hand].position for hand in HANDS]
+    middle = 0.5 * (places[0] + places[1])
+    grip = [PointContact(hand, r, normal=r - middle, friction=0.8) for hand, r in zip(HANDS, places, strict=True)]
+    G = np.array([0, 0, 0.1 * posture.mass * 9.81, 0, 0, 0])
+    squeeze = RNG.normal(size=1)
+    system, alone = (
+        independent_loops(standing_on, grip, posture.p_WB, gravity_at_base(posture), middle, G, reading=r, hand_internal=squeeze)
+        for r in ("system", "robot")
+    )
+    assert np.allclose(system.feet, alone.feet, atol=1e-9) and system.hands_internal == 1
+    C_F, C_H = contact_map(ContactSet(standing_on), posture.p_WB), contact_map(ContactSet(grip), posture.p_WB)
+    assert np.allclose(base_wrench(C_F, system.feet, C_H, system.hands_on_robot), gravity_at_base(posture), atol=1e-9)
+    assert (C_F @ system.feet)[2] == pytest.approx(1.1 * posture.mass * 9.81)
+    other = independent_loops(standing_on, grip, posture.p_WB, gravity_at_base(posture), middle, G, hand_internal=squeeze + 5.0)
+    assert np.allclose(other.feet, system.feet, atol=1e-9), "the loops are independent: squeezing does not reach the feet"

@@ -5,6 +5,7 @@ from typing import get_args
 
 import numpy as np
 import pytest
+from programs import KINDS, stance_of_kind
 from random_postures import POSTURES, robot
 
 import socp_statics as ss
@@ -232,7 +233,8 @@ def test_every_method_of_the_record_carries_the_weight(method, record):
 def test_one_method_prints_its_own_wrenches(record, unexpecting, capsys):
     assert main(["solve", unexpecting, "--set", "parameters.method=pseudoinverse"]) == 0
     f_z = record["distribution"]["methods"]["pseudoinverse"]["wrenches"][0]["force"][2]
-    assert f"{f_z:.4g}] N, moment" in capsys.readouterr().out
+    printed = capsys.readouterr().out
+    assert f"{f_z:.4g}] N, moment" in printed and "internal force left_foot - right_foot 0 N" in printed
 
 
 @pytest.mark.parametrize(
@@ -257,3 +259,29 @@ def test_without_friction_a_valley_holds_and_a_slope_says_what_is_missing(unexpe
     pitched = ["--set", "posture.left=[0.2, 0.1]", "--set", "posture.right=[-0.2, 0.1]"]
     assert main(["solve", unexpecting, "--set", "posture.friction=0", *pitched]) == 2
     assert "the load cannot be balanced: the contacts (rank " in capsys.readouterr().err.strip().splitlines()[-1]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("cone", ["exact", "inscribed"])
+def test_on_every_kind_of_contact_the_best_margin_is_the_reserve_of_its_wrenches(kind, cone):
+    stance = stance_of_kind(kind)
+    best = ss.check_equilibrium(stance, cone=cone, engine="clarabel")
+    if best.forces is None:
+        assert best.verdict == "unstable", "only then there are no wrenches to judge"
+        return
+    W = np.array([[*w["force"], *w["moment"]] for w in best.forces.wrenches()])
+    local = np.array([np.kron(np.eye(2), c.rotation.T) @ F for c, F in zip(stance.contacts, W, strict=True)])
+    found, W_1 = wrench_reserve(assemble(stance), local, best.cone, "socp", "clarabel"), assemble(stance).units.force
+    assert found > 0 if best.margin == np.inf else found == pytest.approx(best.margin, abs=1e-6 * W_1)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_on_every_kind_of_contact_what_suits_balances(kind):
+    stance = stance_of_kind(kind)
+    compared = ss.compare_distributions(stance, engine=FAST)
+    for name, found in compared.methods.items():
+        if found.status == "solved":
+            assert found.balance < (1e-12 if name in CLOSED_FORMS else 1e-8)
+            assert found.holds or name in CLOSED_FORMS
+        else:
+            assert found.note and (name == "statics_consistent" or not compared.equilibrium.stable)

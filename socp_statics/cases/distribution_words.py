@@ -43,6 +43,8 @@ def distribution_lines(record: Mapping[str, Any]) -> list[str]:
             share = f" ({100 * float(entry['worst_share']):.0f} %)" if with_limits and entry["worst_share"] is not None else ""
             row.append(f"{entry['worst_joint']} {entry['worst_torque']:.4g}{share}")
         rows.append(row)
+    if len(methods) == 1:
+        notes += [_internal(entry) for entry in next(iter(methods.values())).get("internal_forces", [])]
     widths = [max(len(row[i]) for row in rows) for i in range(len(header))]
     table = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
     return [f"in the order {', '.join(contacts)}", *table, *notes]
@@ -69,6 +71,12 @@ def window_lines(record: Mapping[str, Any]) -> list[str]:
         found = window["set"]
         lines.append(f"with {words[1]}: {window['kind']}, area {found['inner_area']:.6g} in units of both, {found['solves']} programs")
     return lines
+
+
+def _internal(entry: Mapping[str, Any]) -> str:
+    force = entry["force"]
+    word = "tension" if force > 0 else "compression"
+    return f"internal force {' - '.join(entry['between'])} {abs(force) if abs(force) > NOTHING else 0.0:.4g} N ({word})"
 
 
 def _each(contacts: list[str], values: Mapping[str, Any], words: Callable[[Any], str]) -> str:
