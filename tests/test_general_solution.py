@@ -50,6 +50,19 @@ def test_3_39_the_weighted_particular_solution_differs_by_a_null_component_only(
     assert np.allclose(oblique @ oblique, oblique) and np.allclose(C @ oblique, 0.0, atol=1e-12)
 
 
+def test_d31_the_planar_example_has_one_internal_force_and_moments_that_need_a_vertical_couple():
+    """Two planar feet with (moment, horizontal, vertical) each, at y = -b and b on one level; balance of (horizontal, vertical, moment)."""
+    b, z = 0.056, -0.236
+    foot = [np.array([[0, 1, 0], [0, 0, 1], [1, -z, y]]) for y in (-b, b)]
+    C = np.hstack(foot)
+    solution = general_solution(C, np.array([0.0, 61.2, 0.0]))
+    V_L = np.array([0.0, 1, 0, 0, -1, 0])
+    assert solution.rank == 3 and solution.internal == 3 and not (C @ V_L).any()
+    assert np.allclose(solution.particular[[2, 5]], 30.6), "the pseudoinverse shares a symmetric load equally"
+    moment, couple = np.array([1.0, 0, 0, 0, 0, 0]), np.array([0, 0, 0.5 / b, 0, 0, -0.5 / b])
+    assert np.abs(C @ moment).max() > 0.5 and np.allclose(C @ (moment + couple), 0.0, atol=1e-12)
+
+
 def test_a_rank_deficient_map_says_which_directions_cannot_be_balanced():
     with pytest.raises(InputError, match="rank 3 of 6.*force along x; force along y; moment about z"):
         general_solution(contact_map(ICE, (0, 0, 0)), LOAD + [1.0, 0, 0, 0, 0, 0])

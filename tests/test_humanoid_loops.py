@@ -97,14 +97,20 @@ def test_hands_first_leave_the_feet_to_the_lever_rule():
         for k, name in enumerate(found.contacts):
             if name in push:
                 assert np.allclose(found.wrenches_W[k, :3], push[name], atol=1e-12) and np.allclose(found.wrenches_W[k, 3:], 0)
-    with pytest.raises(InputError, match="2 or 3|two or three"):
+    with pytest.raises(InputError, match="two or three contacts, here are 4"):
         ss.distribute(stance, "statics_consistent", engine="clarabel")
+    too_many = push | {"left_foot": [0, 0, 100.0]}
+    with pytest.raises(InputError, match="two or three contacts, here are 1"):
+        ss.distribute(stance, "statics_consistent", references=too_many, engine="clarabel")
+    assert ss.compare_distributions(stance, references=too_many, engine="clarabel")["statics_consistent"].status == "unsuitable"
 
 
 @pytest.mark.parametrize(
     ("references", "words"),
     [
         ({"left_elbow": [0, 0, 1]}, "contact 'left_elbow' is not there"),
+        ({"left_hand": "gently"}, "finite numbers, got 'gently'"),
+        ({"left_hand": [0, 0, np.nan]}, "finite numbers"),
         ({"left_hand": [0, 1]}, "'left_hand' needs a force of 3 or a wrench of 6"),
         ({"left_hand": [0, 0, 0, 1, 0, 0]}, "does not transmit m[xyz]"),
         ({name: [0, 0, 1] for name in ("left_foot", "right_foot", *HANDS)}, "at least one has to be free"),

@@ -161,8 +161,17 @@ def test_a_method_that_does_not_suit_is_kept_with_its_reason():
     compared = ss.compare_distributions(stance, engine=FAST)
     assert compared["statics_consistent"].status == "unsuitable" and "here are 4" in compared["statics_consistent"].note
     assert compared["barycentric"].holds and compared["barycentric"].measures.cop == dict.fromkeys(stance.contacts.names)
-    floating = Stance(stance.contacts, (0, 0, 0.3), 10.0, gravity=(0, 0, 0))
-    assert ss.compare_distributions(floating, ["barycentric", "pseudoinverse"], engine=FAST)["barycentric"].status == "unsuitable"
+    floating = ss.compare_distributions(Stance(stance.contacts, (0, 0, 0.3), 10.0, gravity=(0, 0, 0)), engine=FAST)
+    assert floating["barycentric"].status == "unsuitable" and floating["qp"].status == "solved"
+
+
+def test_far_from_the_origin_the_balance_keeps_its_digits():
+    feet = [c.placed(c.position + [1e3, -2e3, 50.0], c.rotation, c.friction) for c in roof().contacts]
+    compared = ss.compare_distributions(Stance(ContactSet(feet), (1000.009, -1999.99, 50.24), 6.2431648), list(CLOSED_FORMS), engine=FAST)
+    near = ss.compare_distributions(roof(), list(CLOSED_FORMS), engine=FAST)
+    for name in CLOSED_FORMS:
+        assert compared[name].balance < 1e-12
+        assert np.allclose(compared[name].wrenches_W, near[name].wrenches_W, atol=1e-7)
 
 
 def test_an_unstable_stance_still_has_closed_forms():
@@ -176,6 +185,7 @@ def test_an_unstable_stance_still_has_closed_forms():
     ("options", "words"),
     [
         ({"method": "pinv"}, "method 'pinv' is not known"),
+        ({"method": ["qp"]}, "is not known"),
         ({"method": "qp", "references": {"left_foot": [0, 0, 1]}}, "takes no references"),
         ({"method": "qp", "cop_weight": -1.0}, "cop_weight must be"),
         ({"method": "qp", "cops": {"left_hand": [0, 0]}}, "contact 'left_hand' is not there"),

@@ -21,7 +21,7 @@ from socp_statics.distribution.lever_rule import lever_shares
 from socp_statics.distribution.scaled_question import DistributionQuestion
 from socp_statics.exceptions import InputError
 from socp_statics.registry import nearest
-from socp_statics.spatial import Array, skew
+from socp_statics.spatial import Array
 
 
 class ClosedForm(NamedTuple):
@@ -100,7 +100,7 @@ def closed_forms(question: DistributionQuestion, methods: Sequence[str] | None =
 
 
 def inverses(question: DistributionQuestion, method: str) -> Array:
-    """C^# of a method, to the world origin and in SI: what its components are to any wrench, the shares being those of the load.
+    """C^# of a method for wrenches about the mean of the positions, in SI; the shares are those of the load.
 
     Args:
         question: Maps and loads.
@@ -113,9 +113,7 @@ def inverses(question: DistributionQuestion, method: str) -> Array:
     scaled = question.plain_inverse if shares is None else inverse_of_shares(question.map, shares(question))
     balanced = scaled + question.plain_inverse @ (np.eye(6) - question.map @ scaled)
     units = np.repeat(np.stack([question.force, question.force * question.length], axis=1), 3, axis=1)
-    to_origin = np.tile(np.eye(6), (len(balanced), 1, 1))
-    to_origin[:, 3:, :3] = -skew(question.origin)
-    return question.unit[:, :, None] * balanced / units[:, None, :] @ to_origin
+    return question.unit[:, :, None] * balanced / units[:, None, :]
 
 
 def checked_form(method: str, contacts: ContactSet) -> ClosedForm:

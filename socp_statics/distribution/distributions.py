@@ -66,13 +66,21 @@ def wrenches_C(contacts: ContactSet, components: Array) -> Array:
     return out
 
 
-def load_reaction(stance: Stance) -> Array:
-    """Reaction to gravity and external wrenches about the world origin: what the contacts have to add up to, shape (6,) [N, N m]."""
+def load_reaction(stance: Stance, point_W: Array) -> Array:
+    """Reaction to gravity and external wrenches: what the contacts have to add up to.
+
+    Args:
+        stance: The stance.
+        point_W: What moments are about, shape (3,) [m]; far from the contacts they lose digits.
+
+    Returns:
+        Shape (6,) [N, N m].
+    """
     weight = stance.mass * stance.gravity
-    out = -np.concatenate([weight, cross(stance.com, weight)])
+    out = -np.concatenate([weight, cross(stance.com - point_W, weight)])
     for wrench in stance.external_wrenches:
         out[:3] -= wrench.force
-        out[3:] -= wrench.moment_about(np.zeros(3))
+        out[3:] -= wrench.moment_about(point_W)
     return out
 
 
@@ -95,11 +103,12 @@ def question_of(stances: Sequence[Stance], friction_exponent: float = 2.0) -> Di
             message = f"stances: all must have the contacts of the first ({names}), one has {', '.join(stance.contacts.names)}"
             raise InputError(message, name="stances", field="stances")
     sets = [list(stance.contacts) for stance in stances]
+    positions = np.array([[c.position for c in contacts] for contacts in sets])
     geometry = Geometry(
-        positions=np.array([[c.position for c in contacts] for contacts in sets]),
+        positions=positions,
         rotations=np.array([[c.rotation for c in contacts] for contacts in sets]),
         frictions=np.array([[c.friction for c in contacts] for contacts in sets]),
-        wrench=np.array([load_reaction(stance) for stance in stances]),
+        wrench=np.array([load_reaction(stance, centre) for stance, centre in zip(stances, positions.mean(axis=1), strict=True)]),
         up=np.array([-stance.gravity for stance in stances]),
     )
     return DistributionQuestion(stances[0].contacts, geometry, friction_exponent)
@@ -160,4 +169,4 @@ def _geometry(
             raise InputError(f"{word}: shape {shape} is expected, got {array.shape}", name=word, field=word)
     force = np.broadcast_to(-mass * gravity, (B, 3))
     mu = np.broadcast_to(np.array([c.friction for c in contacts]), (B, k))
-    return Geometry(r, R, mu, np.hstack([force, cross(coms, force)]), np.broadcast_to(-gravity, (B, 3)))
+    return Geometry(r, R, mu, np.hstack([force, cross(coms - r.mean(axis=1), force)]), np.broadcast_to(-gravity, (B, 3)))

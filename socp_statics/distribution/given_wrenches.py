@@ -22,8 +22,6 @@ from socp_statics.registry import nearest
 from socp_statics.spatial import Array
 from socp_statics.statics.contact_maps import contact_map
 
-ORIGIN = np.zeros(3)
-
 
 class GivenWrenches(NamedTuple):
     """A distribution with references.
@@ -68,8 +66,9 @@ def distribute_around(stance: Stance, method: str, references: Mapping[str, Arra
     checked = checked_form(method, ContactSet(others) if method == "statics_consistent" else contacts)
     if checked.by_lever:
         return _the_given_first(stance, method, wanted, ContactSet(others))
-    sharp = inverses(question_of([stance], friction_exponent), method)[0]
-    found = with_references(contacts, contact_map(contacts, ORIGIN), load_reaction(stance), wanted, sharp)
+    question = question_of([stance], friction_exponent)
+    sharp, origin = inverses(question, method)[0], question.origin[0]
+    found = with_references(contacts, contact_map(contacts, origin), load_reaction(stance, origin), wanted, sharp)
     return GivenWrenches(found.components, found.met, float(np.abs(found.missed).max(initial=0.0)), found.words)
 
 
@@ -78,9 +77,11 @@ def _the_given_first(stance: Stance, method: str, wanted: Mapping[str, Array], o
     mine = chosen_components(contacts, list(wanted))
     components = np.zeros(len(mine))
     components[mine] = np.concatenate([wanted[name] for name in contacts.names if name in wanted])
-    rest = load_reaction(stance) - contact_map(contacts, ORIGIN) @ components
+    positions = np.array([c.position for c in others])
+    centre = positions.mean(axis=0)
+    rest = load_reaction(stance, centre) - contact_map(contacts, centre) @ components
     geometry = Geometry(
-        np.array([[c.position for c in others]]), np.array([[c.rotation for c in others]]), np.array([[c.friction for c in others]]),
+        positions[None], np.array([[c.rotation for c in others]]), np.array([[c.friction for c in others]]),
         rest[None], -stance.gravity[None],
     )  # fmt: skip
     components[~mine] = closed_forms(DistributionQuestion(others, geometry), [method])[method][0]

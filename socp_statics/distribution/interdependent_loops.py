@@ -195,9 +195,12 @@ def reference_components(contact: Contact, value: ArrayLike) -> Array:
     Raises:
         InputError: The wrong size, or a component that the contact does not transmit.
     """
-    given = np.asarray(value, dtype=float)
+    message = f"references: contact '{contact.name}' needs a force of 3 or a wrench of 6 finite numbers, got {value!r}"
+    try:
+        given = np.asarray(value, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise InputError(message, name=contact.name, field="references") from error
     if given.shape not in ((3,), (6,)) or not np.isfinite(given).all():
-        message = f"references: contact '{contact.name}' needs a force of 3 or a wrench of 6 finite numbers, got {np.shape(value)}"
         raise InputError(message, name=contact.name, field="references")
     wrench = np.concatenate([given, np.zeros(6 - given.size)])
     local = np.kron(np.eye(2), contact.rotation.T) @ wrench

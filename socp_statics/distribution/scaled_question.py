@@ -27,7 +27,7 @@ class Geometry(NamedTuple):
         positions: Shape (B, k, 3) [m].
         rotations: R_WC, shape (B, k, 3, 3).
         frictions: Shape (B, k).
-        wrench: Reaction wanted, about the world origin, shape (B, 6) [N, N m].
+        wrench: Reaction wanted, about the mean of the positions, shape (B, 6) [N, N m].
         up: Against gravity, shape (B, 3), of any length, zero without gravity.
     """
 
@@ -58,7 +58,7 @@ class DistributionQuestion:
         self.origin = origin = geometry.positions.mean(axis=1)
         self.length = _sizes(contacts, geometry)
         arms = (geometry.positions - origin[:, None]) / self.length[:, None, None]
-        f, m = geometry.wrench[:, :3], geometry.wrench[:, 3:] - np.cross(origin, geometry.wrench[:, :3])
+        f, m = geometry.wrench[:, :3], geometry.wrench[:, 3:]
         self.force = np.maximum(np.linalg.norm(f, axis=1), np.linalg.norm(m, axis=1) / self.length)
         self.force = np.where(self.force > 0.0, self.force, 1.0)
         self.map = contact_maps(arms, geometry.rotations, bases)

@@ -105,7 +105,7 @@ def internal_force_window(
     if particular not in CLOSED_FORMS:
         known = ", ".join(CLOSED_FORMS)
         raise InputError(f"particular must be one of {known}, got {particular!r}", name=str(particular), field="particular")
-    if isinstance(directions, str | Mapping) or len(directions) not in (1, 2):
+    if not isinstance(directions, Sequence) or isinstance(directions, str) or len(directions) not in (1, 2):
         raise InputError("directions: one or two directions of internal force are expected", name="directions", field="directions")
     scalar("internal_force_window", "tolerance", tolerance, above=0.0, kind="model")
     choice, posed = cone_choice(cone, sides, heading), stance_of(stance, torque_limits=torque_limits)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -68,7 +68,7 @@ def independent(contacts: ContactSet, directions: Sequence[Array]) -> None:
 
 
 def _member(contacts: ContactSet, pair: Any) -> dict[str, Array]:
-    names = [pair] if isinstance(pair, str) else list(pair)
+    names = list(pair) if isinstance(pair, Iterable) and not isinstance(pair, str) else [pair]
     if len(names) != 2 or names[0] == names[1]:
         raise InputError(f"directions: two different contacts are expected, got {names!r}", name="directions", field="directions")
     for name in names:

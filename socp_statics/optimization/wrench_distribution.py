@@ -12,6 +12,7 @@ from socp_statics.cones.choice import ConeChoice, cone_choice
 from socp_statics.contacts import Stance
 from socp_statics.contacts.stance import stance_of
 from socp_statics.distribution.closed_form import CLOSED_FORMS, closed_forms
+from socp_statics.distribution.closed_loops import closure_wrench
 from socp_statics.distribution.distributions import load_reaction, question_of, wrenches_C
 from socp_statics.distribution.given_wrenches import distribute_around
 from socp_statics.exceptions import EngineError, InputError
@@ -123,8 +124,7 @@ def distribute(
             balance whatever their cones, with the directions they do not give.
         EngineError: No engine settled a program.
     """
-    if method not in METHODS:
-        raise InputError(f"method {method!r} is not known{nearest(method, METHODS)}", name=method, field="method")
+    _refuse_unknown(method)
     options = {"references": references, "friction_exponent": friction_exponent, "cop_weight": cop_weight, "cops": cops}
     settings = {"cone": cone_choice(cone, sides, heading), "form": form, "engine": engine}
     question = _Question(stance_of(stance, torque_limits=torque_limits), options, settings)
@@ -171,8 +171,7 @@ def compare_distributions(
     """
     names = list(METHODS) if methods is None else list(methods)
     for name in names:
-        if name not in METHODS:
-            raise InputError(f"method {name!r} is not known{nearest(name, METHODS)}", name=name, field="method")
+        _refuse_unknown(name)
     choice = cone_choice(cone, sides, heading)
     posed = stance_of(stance, torque_limits=torque_limits)
     options = {"references": references, "friction_exponent": friction_exponent, "cop_weight": cop_weight, "cops": cops}
@@ -180,6 +179,11 @@ def compare_distributions(
     refuse = len(names) == 1
     found = {name: question.by(name, refuse=refuse) for name in names}
     return ComparedDistributions(found, check_equilibrium(posed, cone=choice, form=form, engine=engine))
+
+
+def _refuse_unknown(method: Any) -> None:
+    if not isinstance(method, str) or method not in METHODS:
+        raise InputError(f"method {method!r} is not known{nearest(str(method), METHODS)}", name=str(method), field="method")
 
 
 class _Question:
@@ -199,7 +203,7 @@ class _Question:
             raise InputError(f"method '{method}': {reason}", name=method, field="references" if "references" in reason else "method")
         if reason is not None:
             return Distribution(method, "unsuitable", reason, self.stance.contacts.names)
-        return self._closed_form(method) if method in CLOSED_FORMS else self._program(method)
+        return self._closed_form(method, refuse) if method in CLOSED_FORMS else self._program(method)
 
     def _unsuitable(self, method: str) -> str | None:
         if method in PROGRAMS:
@@ -210,13 +214,13 @@ class _Question:
             return None
         return CLOSED_FORMS[method].refusal(self.stance.contacts)
 
-    def _closed_form(self, method: str) -> Distribution:
+    def _closed_form(self, method: str, refuse: bool) -> Distribution:
         note = ""
         if self.references:
             try:
                 given = distribute_around(self.stance, method, self.references, self.exponent)
             except InputError as error:
-                if error.field != "method":
+                if error.field != "method" or refuse:
                     raise
                 return Distribution(method, "unsuitable", str(error), self.stance.contacts.names)
             components = given.components
@@ -245,10 +249,8 @@ class _Question:
     def _judged(self, found: Distribution, local: Array) -> Distribution:
         contacts = self.stance.contacts
         world = np.array([np.kron(np.eye(2), c.rotation) @ F for c, F in zip(contacts, local, strict=True)])
-        positions = np.array([c.position for c in contacts])
-        about = np.concatenate([world[:, :3].sum(axis=0), (world[:, 3:] + np.cross(positions, world[:, :3])).sum(axis=0)])
-        left = about - load_reaction(self.stance)
-        left[3:] -= np.cross(self.data.units.origin, left[:3])
+        centre = self.data.units.origin
+        left = closure_wrench(centre, [c.position for c in contacts], world) - load_reaction(self.stance, centre)
         balance = float(np.abs(left / self.data.units.wrench).max())
         measures = measures_of(self.stance, self.data, world, local, **self.settings)
         if found.forces is not None and measures.reserve < -1e-6 * self.data.units.force:

@@ -4,8 +4,8 @@
     subject to  the balance and the cones at all contact points
 
 in units of W and size. A centre of pressure ``p_k = (-m_y, m_x) / f_n`` is linear in the wrench only where f_n is frozen in its
-denominator: it is, at the normal force of the barycentric rule, and the numerator is the moment about the wished point, so that the
-minimum is zero exactly where the centre of pressure is wished.
+denominator: it is, at the normal force of the barycentric rule (of the pseudoinverse without a load), and the numerator is the moment
+about the wished point, so that the minimum is zero exactly where the centre of pressure is wished.
 """
 
 from __future__ import annotations
@@ -81,7 +81,9 @@ def distribute_by_quadratic_program(
 def _cost_rows(stance: Stance, data: StaticsData, weight: float, wished: Mapping[int, Array]) -> Array:
     """Rows over x whose squares add up to the cost."""
     wrenches = contact_wrench_rows(data)
-    frozen = wrenches_C(stance.contacts, closed_forms(question_of([stance]), ["barycentric"])["barycentric"])[0] / data.units.force
+    question = question_of([stance])
+    rule = "barycentric" if question.wrench[0, :3].any() else "scaled_pseudoinverse"
+    frozen = wrenches_C(stance.contacts, closed_forms(question, [rule])[rule])[0] / data.units.force
     rows = [wrenches[np.abs(wrenches).sum(axis=1) > 0]]
     for k, point in wished.items():
         F = wrenches[6 * k : 6 * k + 6]
