@@ -32,6 +32,8 @@ from socp_statics.statics import StaticsData, assemble, wrench_range
 # Where there is no end, the set is drawn to this many W of internal force.
 CLIP = 10.0
 AT_THE_END = 1e-6
+# How far beyond its end an internal force is tried, in W.
+STEP = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +43,8 @@ class WindowEnd:
     Attributes:
         value: Internal force there, per unit of the direction [N]; inf or -inf where there is no end.
         wrenches_W: Contact wrenches there, world axes, shape (k, 6); None without an end.
-        stopped_by: Contacts that are on the edge of their cones there, and joints at their limits; empty without an end.
+        stopped_by: Contacts that would leave their cones beyond it (all loaded ones at the edge, where the others are free), and joints at
+            their limits; empty without an end.
     """
 
     value: float
@@ -108,13 +111,20 @@ class WindowQuestion:
             local = (self.rows @ solution.variables["x"]).reshape(-1, 6) * self.data.units.wrench
             world = np.array([np.kron(np.eye(2), c.rotation) @ F for c, F in zip(self.stance.contacts, local, strict=True)])
             value = float(solution.variable("s")[0]) * self.data.units.force
-            found.append(WindowEnd(value, world, self._stopped_by(local, world)))
+            found.append(WindowEnd(value, world, self._stopped_by(sign, local, world)))
         return found[0], found[1]
 
-    def _stopped_by(self, local: Array, world: Array) -> tuple[str, ...]:
-        """Contacts without reserve and joints at a limit."""
-        least = AT_THE_END * self.data.units.force
-        names = [c.name for k, c in enumerate(self.stance.contacts) if c.unilateral and self._reserve_of(k, local[k]) < least]
+    def _stopped_by(self, sign: float, local: Array, world: Array) -> tuple[str, ...]:
+        """Loaded contacts that are at the edge of their cones and, where the others are fixed, would leave it; joints at a limit."""
+        W = self.data.units.force
+        step = sign * STEP * (self.D[:, 0].reshape(-1, 6) * self.data.units.wrench)
+        names = []
+        for k, contact in enumerate(self.stance.contacts):
+            if not contact.unilateral or self._reserve_of(k, local[k]) >= AT_THE_END * W:
+                continue
+            leaving = self._reserve_of(k, local[k] + step[k]) < -AT_THE_END * W
+            if leaving if self.others == "fixed" else np.abs(local[k] / self.data.units.wrench).max() > AT_THE_END:
+                names.append(contact.name)
         if self.stance.torque_limits is not None:
             tau, limits = torques_of(self.stance, world), self.stance.torque_limits
             near = AT_THE_END * self.data.units.force * self.data.units.length
