@@ -17,8 +17,8 @@ from socp_statics.optimization.force_rows import groups, wrench_rows
 from socp_statics.spatial import Array
 from socp_statics.statics import StaticsData, wrench_range
 
-# A reserve above this many W is not told from an infinite one.
-CAP = 1e3
+# In units of W, tried in turn: the tightest cap conditions the program best, a reserve above the last is not told from an infinite one.
+CAPS = (1.0, 1e3)
 OUT_OF_REACH = 1e-7
 
 
@@ -52,16 +52,19 @@ def wrench_reserve(data: StaticsData, wrenches_C: Array, cone: ConeChoice, form:
         return -np.inf
     given = replace(without_torque_limits(data), wrench_map=rows, load=-wanted)
     shape = force_shape(given, cone, form, reach.rank)
-    values = force_values(given, cone, reach.basis) | {"cap": np.array(CAP)}
+    values = force_values(given, cone, reach.basis)
+    for cap in CAPS:
 
-    def solve(one: Engine) -> Solution:
-        return one.compile(MODEL, shape).solve(values)
+        def solve(one: Engine, cap: float = cap) -> Solution:
+            return one.compile(MODEL, shape).solve(values | {"cap": np.array(cap)})
 
-    solution, _ = settled(given, cone, engine, solve, "the reserve of given wrenches", form, check=False)
-    if solution.status != SOLVED:
-        return -np.inf
-    t = float(solution.objective)
-    return np.inf if t > CAP * (1 - 1e-6) else t * data.units.force
+        solution, _ = settled(given, cone, engine, solve, "the reserve of given wrenches", form, check=False)
+        if solution.status != SOLVED:
+            return -np.inf
+        t = float(solution.objective)
+        if t < cap * (1 - 1e-6):
+            return t * data.units.force
+    return np.inf
 
 
 def without_torque_limits(data: StaticsData) -> StaticsData:
