@@ -53,6 +53,23 @@ _HOMES = {
     "minimise_torque_use": "optimization",
     "optimise_posture": "optimization",
     "margin_gradient": "stability",
+    "distribute": "optimization.wrench_distribution",
+    "compare_distributions": "optimization.wrench_distribution",
+    "internal_force_window": "optimization.internal_force_window",
+    "distribute_many": "distribution",
+    "general_solution": "distribution",
+    "independent_loops": "distribution",
+    "member_forces": "distribution",
+    "contact_map": "statics",
+    "contact_jacobian": "statics",
+    "mixed_jacobian": "statics",
+    "body_wrench": "statics",
+    "net_wrench": "statics",
+    "gravity_wrench": "statics",
+    "gravity_torque": "statics",
+    "static_torque": "statics",
+    "lumped_torque": "statics",
+    "torque_components": "statics.torque_components",
     "posture_types": "statics.posture_types",
     "load_problem": "cases.problem",
     "solve": "cases.solve",
@@ -84,6 +101,10 @@ if TYPE_CHECKING:
     from socp_statics.contacts import SoftFingerContact as SoftFingerContact
     from socp_statics.contacts import Stance as Stance
     from socp_statics.contacts import SurfaceContact as SurfaceContact
+    from socp_statics.distribution import distribute_many as distribute_many
+    from socp_statics.distribution import general_solution as general_solution
+    from socp_statics.distribution import independent_loops as independent_loops
+    from socp_statics.distribution import member_forces as member_forces
     from socp_statics.exceptions import EngineError as EngineError
     from socp_statics.exceptions import InputError as InputError
     from socp_statics.exceptions import StaticsError as StaticsError
@@ -99,6 +120,9 @@ if TYPE_CHECKING:
     from socp_statics.optimization import minimise_torque_use as minimise_torque_use
     from socp_statics.optimization import optimise_contact_forces as optimise_contact_forces
     from socp_statics.optimization import optimise_posture as optimise_posture
+    from socp_statics.optimization.internal_force_window import internal_force_window as internal_force_window
+    from socp_statics.optimization.wrench_distribution import compare_distributions as compare_distributions
+    from socp_statics.optimization.wrench_distribution import distribute as distribute
     from socp_statics.postures import Posture as Posture
     from socp_statics.postures import pose as pose
     from socp_statics.postures import posture_at as posture_at
@@ -115,7 +139,17 @@ if TYPE_CHECKING:
     from socp_statics.stability import check_equilibrium_many as check_equilibrium_many
     from socp_statics.stability import margin_gradient as margin_gradient
     from socp_statics.stability import simple_static_test as simple_static_test
+    from socp_statics.statics import body_wrench as body_wrench
+    from socp_statics.statics import contact_jacobian as contact_jacobian
+    from socp_statics.statics import contact_map as contact_map
+    from socp_statics.statics import gravity_torque as gravity_torque
+    from socp_statics.statics import gravity_wrench as gravity_wrench
+    from socp_statics.statics import lumped_torque as lumped_torque
+    from socp_statics.statics import mixed_jacobian as mixed_jacobian
+    from socp_statics.statics import net_wrench as net_wrench
+    from socp_statics.statics import static_torque as static_torque
     from socp_statics.statics.posture_types import posture_types as posture_types
+    from socp_statics.statics.torque_components import torque_components as torque_components
     from socp_statics.wrench_cones import acceleration_slice as acceleration_slice
     from socp_statics.wrench_cones import body_wrench_cone as body_wrench_cone
     from socp_statics.wrench_cones import com_slice as com_slice

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from benchmarks import effort, figure, kernel, own, peers, questions, tables, targets
+from benchmarks import distributions, effort, figure, kernel, own, peers, questions, tables, targets
 from benchmarks.curves import Curve, Sharing
 from benchmarks.peers import bare_clarabel, cvxpy_again
 from benchmarks.peers.klampt_polygon import area_within
@@ -166,3 +166,9 @@ def test_ways_that_fail_say_where():
     assert found.answers == {"tilted_tripod": 7}
     assert len(found.times["tilted_tripod"]) == 3
     assert not other.times
+
+
+def test_the_benchmark_of_distributions_has_every_contact_set():
+    found = distributions.rows(postures=40, repetitions=1)
+    assert [name for name, *_ in found] == list(distributions.contact_sets())
+    assert all(methods >= 4 and balance < 1e-12 for _, methods, _, _, balance in found)

@@ -87,6 +87,21 @@ def test_the_program_of_wrench_cones_runs(capsys):
     assert said[4].startswith("left ") and "centre of pressure" in said[4]
 
 
+def test_the_program_that_distributes_wrenches_runs(capsys):
+    (program,) = (block for block in blocks("python") if "ss.distribute(" in block)
+    exec(compile(program, "README", "exec"), {})  # noqa: S102
+    said = capsys.readouterr().out.splitlines()
+    assert "True" in said[0] and said[1].endswith("N m") and " N, stopped by (" in said[2]
+
+
+def test_the_methods_of_distribution_are_those_of_the_table():
+    from socp_statics.optimization.wrench_distribution import METHODS
+
+    section = README.split("## Wrench distribution")[1].split("\n## ")[0]
+    rows = re.findall(r"^\| (`\w+`(?:, `\w+`)*) \|", section, re.M)
+    assert {name for row in rows for name in re.findall(r"`(\w+)`", row)} == set(METHODS)
+
+
 def test_the_generators_and_their_keys_are_those_of_the_table():
     import inspect
 

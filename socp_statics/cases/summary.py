@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from socp_statics.cases.answers.simple_test import simple_test_lines
+from socp_statics.cases.distribution_words import distribution_lines, window_lines
 from socp_statics.cases.optimized_words import optimized_lines
 from socp_statics.cases.price_words import price_lines
 from socp_statics.certificates.reading import direction_words
@@ -50,7 +51,7 @@ def summary_lines(record: Mapping[str, Any]) -> list[tuple[str, str]]:
         lines.append(("region", _region(record["region"])))
     if "following" in record:
         lines += _following(record["following"])
-    if record["objective"] is not None and "optimized" not in record:
+    if record["objective"] is not None and not {"optimized", "distribution", "window"} & set(record):
         lines.append(("objective", _objective(record)))
     if "optimized" in record:
         lines += [("optimised", line) for line in optimized_lines(record)]
@@ -64,10 +65,13 @@ def summary_lines(record: Mapping[str, Any]) -> list[tuple[str, str]]:
     if record.get("capability", {}).get("beyond"):
         lines.append(("beyond it", record["capability"]["beyond"]["reading"]))
     lines += price_lines(record)
-    # A capability is about what acts at the largest load, not about what would do without it.
-    shown = record["capability"] if record.get("capability", {}).get("wrenches") else record
-    largest = max((abs(value) for entry in shown["wrenches"] for value in entry["force"]), default=0.0)
-    lines += [("contact", _wrench(entry, 1e-9 * largest)) for entry in shown["wrenches"]]
+    if "distribution" in record:
+        lines += [("methods", line) for line in distribution_lines(record)]
+    if "window" in record:
+        lines += [("window", line) for line in window_lines(record)]
+    shown = _shown(record)
+    largest = max((abs(value) for entry in shown.get("wrenches", []) for value in entry["force"]), default=0.0)
+    lines += [("contact", _wrench(entry, 1e-9 * largest)) for entry in shown.get("wrenches", [])]
     lines += [("torque", line) for line in _torques(shown.get("torques") or {}, record.get("torque_limits") or {})]
     for entry in record["expect"]:
         lines.append(
@@ -77,6 +81,15 @@ def summary_lines(record: Mapping[str, Any]) -> list[tuple[str, str]]:
     handed = f", {record['handovers']} handed over" if record["handovers"] else ""
     lines.append(("engine", f"{record['engine']}{handed}" + (f"; residuals {residuals}" if residuals else "")))
     return lines
+
+
+def _shown(record: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Whose wrenches and torques are printed: those of the largest load, or of the method that was asked for; none of many methods."""
+    if record.get("capability", {}).get("wrenches"):
+        return record["capability"]
+    if "distribution" in record:
+        return record["distribution"]["methods"].get(record["distribution"]["method"]) or {"wrenches": []}
+    return record
 
 
 _REASONS = {

@@ -22,22 +22,24 @@ from socp_statics.figures.draw_robot import draw_robot as draw_robot
 from socp_statics.figures.draw_robot import robot_views as robot_views
 from socp_statics.figures.draw_stance import draw_stance as draw_stance
 from socp_statics.figures.draw_torques import draw_torques as draw_torques
+from socp_statics.figures.draw_window import draw_window as draw_window
 from socp_statics.following import FollowingRegion
+from socp_statics.optimization.internal_force_window import InternalForceWindow
 from socp_statics.postures import Posture
 from socp_statics.regions import BaseOfSupport, SupportRegion
 
-Drawable = SupportRegion | FollowingRegion | Stance | ContactSet | BaseOfSupport | Posture | Mapping[str, Any]
+Drawable = SupportRegion | FollowingRegion | InternalForceWindow | Stance | ContactSet | BaseOfSupport | Posture | Mapping[str, Any]
 
 
 def draw(thing: Drawable, ax: Axes | None = None) -> Axes:
-    """Draw a region, a following region, a stance, contacts, a base of support or a record on the floor plan; a posture from its side.
+    """Draw a region, a stance, contacts, a base of support or a record on the floor plan; a posture from its side; a window of forces.
 
     Args:
         thing: What to draw.
         ax: Axes to draw into, the view grows as needed; by default those of a new figure with a legend.
 
     Returns:
-        The axes, equal and in metres.
+        The axes, equal and in metres; those of an internal-force window are in newtons.
 
     Raises:
         InputError: It is none of these.
@@ -46,6 +48,8 @@ def draw(thing: Drawable, ax: Axes | None = None) -> Axes:
         return draw_region(thing, ax)
     if isinstance(thing, FollowingRegion):
         return draw_following(thing, ax)
+    if isinstance(thing, InternalForceWindow):
+        return draw_window(thing, ax)
     if isinstance(thing, Stance | ContactSet):
         return draw_stance(thing, ax)
     if isinstance(thing, BaseOfSupport):
@@ -54,5 +58,5 @@ def draw(thing: Drawable, ax: Axes | None = None) -> Axes:
         return draw_robot(thing, ax)
     if isinstance(thing, Mapping):
         return draw_answer(thing, ax)
-    expected = "a support region, a stance, contacts, a base of support, a posture or a record is expected"
+    expected = "a support region, a window of forces, a stance, contacts, a base of support, a posture or a record is expected"
     raise InputError(f"draw: {expected}, got {type(thing).__name__}", name="draw", field="thing")

@@ -21,6 +21,7 @@ from socp_statics.figures.draw_region import add_base_of_support, add_com_margin
 from socp_statics.figures.draw_robot import HEAD, Pushes, add_robot
 from socp_statics.figures.draw_stance import add_com_or_direction, add_contacts, add_forces
 from socp_statics.figures.draw_torques import add_torques
+from socp_statics.figures.draw_window import add_window, window_in_record
 from socp_statics.figures.layout import SHEET_AXES, Bars, Row, arrange, new_axes, shaped_for_sheet, sheet_of
 from socp_statics.figures.optimized_posture import optimized_posture
 from socp_statics.figures.outlines import VIEWS
@@ -75,14 +76,15 @@ def answer_figure(record: Mapping[str, Any], regions: Mapping[str, SupportRegion
     Returns:
         The figure. From top to bottom: the floor plan; with a posture the robot from its side and from the front, else, where the
         record has no region, a view of the contacts from the side; the optimised posture where there is one; the joint torques where
-        the record has any, those of the given posture.
+        the record has any, those of the given posture; the internal-force window where there is one.
     """
     answer = answer_of(record, regions, posture)
     with house_style():
         with_side = posture is None and "region" not in record
         better = optimized_posture(record, posture)
         views = 4 if better is not None else 2 if posture is not None else int(with_side)
-        plan = new_axes(1 + views + bool(answer.torques))
+        internal = window_in_record(record)
+        plan = new_axes(1 + views + bool(answer.torques) + (internal is not None))
         figure = sheet_of(plan)
         panels = 2 if views else 1
         shown = _add_plan(plan, answer, panels)
@@ -96,6 +98,8 @@ def answer_figure(record: Mapping[str, Any], regions: Mapping[str, SupportRegion
             rows.append(Row((figure.axes[1],), (add_side(figure.axes[1], answer),)))
         if answer.torques:
             rows.append(add_torques(figure.axes[1 + views], answer.torques))
+        if internal is not None:
+            rows.append(add_window(figure.axes[1 + views + bool(answer.torques)], internal))
         arrange(figure, rows, _title(record), answer_words(record, answer, shown))
         place_names(plan, {c.name: c.points_W[:, :2] for c in answer.contacts})
         if with_side:

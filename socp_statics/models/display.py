@@ -20,6 +20,8 @@ QUESTIONS = {
     "minimax_wrench": ("minimise", "s", "the largest measure"),
     "capability": ("maximise", "w", "the load: a payload (its weight) or a push"),
     "torque_feasibility": ("minimise", "s", "the worst share of a torque limit; feasible exactly where s <= 1"),
+    "wrench_distribution": ("minimise", "sum_k |F_k|^2_W", "closed forms ignore the cones; programs keep them"),
+    "internal_force_window": ("maximise", "d' s", "one program for each direction d; s are the internal forces"),
     "posture_optimization": ("maximise", "t", "the margin over forces and postures; here at the given posture, then step by step"),
 }
 OBJECTIVES = {
@@ -70,6 +72,8 @@ def describe(model: str, stance: Stance, parameters: Mapping[str, Any]) -> str:
         rows.append(("w >= 0", LOADS["payload" if "payload" in parameters else "push"]))
     if model == "minimax_wrench":
         rows.append((MEASURES[parameters["measure"]], f"every {parameters['level']} g"))
+    if model == "internal_force_window":
+        rows.append(_internal(parameters))
     if moving:
         rows.append(("contacts(q) = given, lower <= theta <= upper", _movable(stance, parameters)))
     if parameters.get("simple_test"):
@@ -96,6 +100,13 @@ def _question(model: str, parameters: Mapping[str, Any]) -> tuple[str, str, str]
         return QUESTIONS[model]
     objective, meaning = OBJECTIVES[parameters["objective"]]
     return "minimise", objective, meaning
+
+
+def _internal(parameters: Mapping[str, Any]) -> tuple[str, str]:
+    count = len(parameters["directions"])
+    if parameters["others"] == "fixed":
+        return "F(x) = F_0 + sum_i s_i D_i", f"{count} directions of internal force beside F_0 of {parameters['particular']}"
+    return "s = D+ (F(x) - F_0)", f"{count} directions of internal force, all others free; F_0 of {parameters['particular']}"
 
 
 def _movable(stance: Stance, parameters: Mapping[str, Any]) -> str:

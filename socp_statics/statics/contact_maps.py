@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from socp_statics.contacts import ContactSet
 from socp_statics.contacts.joint import constraint_basis
-from socp_statics.spatial import Array, skew
+from socp_statics.spatial import Array, cross, skew
 
 
 def contact_map(contacts: ContactSet, point_W: ArrayLike, bases: Sequence[Array] | None = None) -> Array:
@@ -31,6 +31,27 @@ def contact_map(contacts: ContactSet, point_W: ArrayLike, bases: Sequence[Array]
         T[3:, :3] = skew(contact.position - point)
         blocks.append(T @ np.kron(np.eye(2), contact.rotation) @ B)
     return np.hstack(blocks)
+
+
+def contact_maps(positions: Array, rotations: Array, bases: Sequence[Array]) -> Array:
+    """The contact maps of a batch of postures with equal contacts, as `contact_map` gives them one by one.
+
+    Args:
+        positions: Of the contacts relative to the point of the map, shape (..., k, 3) [m].
+        rotations: R_WC, shape (..., k, 3, 3).
+        bases: Constraint bases, one a contact, identity columns of shapes (6, c_k).
+
+    Returns:
+        Shape (..., 6, c).
+    """
+    blocks = []
+    for k, B in enumerate(bases):
+        R, arm = rotations[..., k, :, :], positions[..., k, :]
+        whole = np.zeros((*R.shape[:-2], 6, 6))
+        whole[..., :3, :3] = whole[..., 3:, 3:] = R
+        whole[..., 3:, :3] = cross(arm[..., None, :], R.swapaxes(-1, -2)).swapaxes(-1, -2)
+        blocks.append(whole[..., B.any(axis=1)])
+    return np.concatenate(blocks, axis=-1)
 
 
 def body_wrench(C: Array, components: Array) -> Array:

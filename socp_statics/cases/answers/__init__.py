@@ -33,3 +33,13 @@ ANSWERS.add(
     "how far the centre of mass goes along rays while the posture follows, and what stops it there",
     f"{_HERE}.following_region:ANSWER",
 )
+ANSWERS.add(
+    "wrench_distribution",
+    "contact wrenches by the chapter's inverses, the lever rule and programs, one method or all side by side",
+    f"{_HERE}.wrench_distribution:ANSWER",
+)
+ANSWERS.add(
+    "internal_force_window",
+    "how much internal force keeps every contact in its cone and every torque in its limit",
+    f"{_HERE}.internal_force_window:ANSWER",
+)
