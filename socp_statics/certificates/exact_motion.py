@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -24,13 +24,6 @@ LARGER = 16.0
 TRIALS = 7
 
 
-class _Candidate(NamedTuple):
-    """Scaled motion in floats, and columns of x whose velocity is to be exactly zero."""
-
-    motion: Motion
-    still: list[int]
-
-
 def motion_tables(statement: Statement, data: StaticsData, cone: ConeChoice, motion: Motion) -> Iterator[dict[str, Any]]:
     """Motions for the proof file next to a given one, each a little further from it than the one before; for the verifier to judge.
 
@@ -44,25 +37,24 @@ def motion_tables(statement: Statement, data: StaticsData, cone: ConeChoice, mot
     if not np.isfinite(size) or size == 0.0:
         return
     motion = Motion(motion.twist / size, motion.joints / size)
-    yield _table(statement, data, cone, motion, _as_rationals(data, motion))
+    yield _table(data, cone, _as_rationals(data, motion))
     opening = opening_motion(data, cone, motion)
     if opening is None:
         return
     for candidate in _opened(data, cone, motion, opening):
         exact = _as_rationals(data, candidate)
         if opening.still:
-            projected = _standing_still(statement, data, candidate, exact, opening.still)
+            projected = _standing_still(statement, data, exact, opening.still)
             if projected is None:
                 return
             exact = projected
-        yield _table(statement, data, cone, candidate, exact)
+        yield _table(data, cone, exact)
 
 
 def _opened(data: StaticsData, cone: ConeChoice, motion: Motion, opening: Opening) -> Iterator[Motion]:
     """The motion with more and more of one that opens what it holds."""
     at_contacts = contact_motion(data, cone, motion)
     bounded = _with_upper_bound(data)
-    share = ROOM
     still = {i for i in range(data.points) if data.normal.start + i in opening.still}
     worst = [-g for i, g in enumerate(at_contacts.grip) if int(data.contact_of_point[i]) not in bounded and i not in still]
     share = max([2.0 * w for w in worst] + [ROOM])
@@ -82,15 +74,18 @@ def _as_rationals(data: StaticsData, motion: Motion) -> list[Fraction]:
     return [Fraction(float(v)) for v in (*linear, *angular, *joints)]
 
 
-def _standing_still(statement: Statement, data: StaticsData, motion: Motion, exact: list[Fraction], still: list[int]) -> list[Fraction] | None:
+def _standing_still(statement: Statement, data: StaticsData, exact: list[Fraction], still: list[int]) -> list[Fraction] | None:
     """The exact motion next to one whose velocity along some unknowns is zero: the pivots give, the other coordinates stay."""
     rates = rates_map(data)[still]
     pivots = independent_columns(rates, SINGULAR)
     where = places(data)
     by_name = {contact.name: contact for contact in statement.contacts}
     about = [Fraction(float(v)) for v in data.units.origin]
-    rows = []
+    rows: list[list[Fraction]] = []
     for j in still:
+        if j >= len(where):
+            rows.append([Fraction(k == 6 + j - len(where)) for k in range(len(exact))])
+            continue
         name, point, component = where[j]
         contact = by_name[name]
         unit = contact.units[point][component]
@@ -110,7 +105,11 @@ def _standing_still(statement: Statement, data: StaticsData, motion: Motion, exa
     return out
 
 
-def _table(statement: Statement, data: StaticsData, cone: ConeChoice, motion: Motion, exact: list[Fraction]) -> dict[str, Any]:
+def _table(data: StaticsData, cone: ConeChoice, exact: list[Fraction]) -> dict[str, Any]:
+    joints = np.zeros(len(data.torques.names))
+    joints[limited(data)] = [float(v) for v in exact[6:]]
+    linear, angular = (np.array([float(v) for v in part]) for part in (exact[:3], exact[3:6]))
+    motion = scaled_motion(data, linear, angular, data.units.origin, joints)
     return {
         "linear": rationals(exact[:3]),
         "angular": rationals(exact[3:6]),

@@ -26,15 +26,18 @@ WIDER = 1.0 / np.cos(np.pi / 16)
 
 
 class Opening(NamedTuple):
-    """A motion that opens contact points, and the unknowns of x whose velocity has to be exactly zero, braced or without limit."""
+    """A motion that opens contact points, and the rows of `rates_map` that have to be exactly zero, braced or without limit."""
 
     motion: Motion
     still: list[int]
 
 
 def rates_map(data: StaticsData) -> Array:
-    """Velocity along every unknown of x per unit of twist and of the limited joints' rates, shape (nx, 6 + n)."""
-    return np.hstack([data.wrench_map.T, data.torques.map[limited(data)].T]) if data.torques.limited else data.wrench_map.T
+    """Velocity along every unknown of x, then rates of the n limited joints, per unit of twist and of these rates, shape (nx + n, 6 + n)."""
+    free = limited(data)
+    if not free:
+        return data.wrench_map.T
+    return np.vstack([np.hstack([data.wrench_map.T, data.torques.map[free].T]), np.eye(len(free), 6 + len(free), 6)])
 
 
 def limited(data: StaticsData) -> list[int]:
@@ -64,50 +67,60 @@ def opening_motion(data: StaticsData, cone: ConeChoice, motion: Motion) -> Openi
     rates, free = rates_map(data), limited(data)
     y = np.concatenate([motion.twist, motion.joints[free]])
     size = float(np.abs(y).max())
-    unbounded = _unbounded_points(data)
-    rows, owner = [], []
-    for i in unbounded:
+    rows: list[Array] = []
+    owner: list[tuple[int, ...]] = []
+    for i in _unbounded_points(data):
         columns = point_columns(data, i)
         for ray in _tight_rays(data, cone, i, rates[columns] @ y / size):
             rows.append(ray @ rates[columns])
-            owner.append(i)
+            owner.append(tuple(columns))
+    for j, sign in _half_limited(data, free):
+        if sign * (rates[j] @ y) < TIGHT * size:
+            rows.append(sign * rates[j])
+            owner.append((j,))
     still = _unlimited(data)
-    signed = _half_limited(data, rates, free)
-    found = _openable(rows, owner, signed, rates[still])
+    found = _least_opening(rows, rates[still])
     if found is None:
-        return None
-    braced = sorted({i for i, opens in zip(owner, found[1], strict=True) if not opens})
-    if braced:
-        kept = [k for k, i in enumerate(owner) if i not in braced]
-        still = [*still, *(j for i in braced for j in point_columns(data, i))]
-        found = _openable([rows[k] for k in kept], [owner[k] for k in kept], signed, rates[still])
+        openable = _openable(rows, owner, rates[still])
+        if openable is None:
+            return None
+        still = [*still, *(j for columns in dict.fromkeys(owner) if columns not in openable for j in columns)]
+        found = _least_opening([row for row, columns in zip(rows, owner, strict=True) if columns in openable], rates[still])
         if found is None:
             return None
     joints = np.zeros(len(data.torques.names))
-    joints[free] = found[0][6:]
-    return Opening(Motion(found[0][:6], joints), still)
+    joints[free] = found[6:]
+    return Opening(Motion(found[:6], joints), still)
 
 
-def _openable(rows: list[Array], owner: list[int], signed: list[Array], still: Array) -> tuple[Array, list[bool]] | None:
-    """A motion that opens as many points as can be, and whether it opens the owner of each row."""
-    n = len(rows[0]) if rows else len(signed[0]) if signed else still.shape[1]
-    names = sorted(set(owner))
-    if not names:
-        return np.zeros(n), []
-    A = np.zeros((len(rows) + len(signed), n + len(names)))
-    for k, (row, i) in enumerate(zip(rows, owner, strict=True)):
-        A[k, :n] = -row
-        A[k, n + names.index(i)] = 1.0
-    for k, row in enumerate(signed, start=len(rows)):
-        A[k, :n] = -row
+def _least_opening(rows: list[Array], still: Array) -> Array | None:
+    """The smallest motion that opens every row by one, None where there is none."""
+    n = still.shape[1]
+    if not rows:
+        return np.zeros(n)
+    eye, ones = np.eye(n), np.ones((n, 1))
+    A = np.vstack([np.hstack([-np.array(rows), np.zeros((len(rows), 1))]), np.hstack([eye, -ones]), np.hstack([-eye, -ones])])
+    right = np.concatenate([-np.ones(len(rows)), np.zeros(2 * n)])
+    equal, zero = _at_rest(still, 1)
+    solved = linprog(np.append(np.zeros(n), 1.0), A, right, equal, zero, [(None, None)] * n + [(0.0, MOST)], method="highs")
+    return solved.x[:n] if solved.status == 0 else None
+
+
+def _openable(rows: list[Array], owner: list[tuple[int, ...]], still: Array) -> set[tuple[int, ...]] | None:
+    """The owners of rows that a motion opens without closing others; None where the program fails."""
+    n, names = still.shape[1], list(dict.fromkeys(owner))
+    A = np.zeros((len(rows), n + len(names)))
+    A[:, :n] = -np.array(rows)
+    A[np.arange(len(rows)), [n + names.index(one) for one in owner]] = 1.0
     cost = np.concatenate([np.zeros(n), -np.ones(len(names))])
     bounds = [(-MOST, MOST)] * n + [(0.0, 1.0)] * len(names)
-    equal = np.hstack([still, np.zeros((len(still), len(names)))]) if len(still) else None
-    solved = linprog(cost, A, np.zeros(len(A)), equal, None if equal is None else np.zeros(len(still)), bounds, method="highs")
-    if solved.status != 0:
-        return None
-    opened = dict(zip(names, solved.x[n:] > 0.5, strict=True))
-    return solved.x[:n], [bool(opened[i]) for i in owner]
+    solved = linprog(cost, A, np.zeros(len(A)), *_at_rest(still, len(names)), bounds, method="highs")
+    return {one for one, s in zip(names, solved.x[n:], strict=True) if s > 0.5} if solved.status == 0 else None
+
+
+def _at_rest(still: Array, more: int) -> tuple[Array, Array] | tuple[None, None]:
+    """The equations of the rates that are zero, with columns for further unknowns."""
+    return (np.hstack([still, np.zeros((len(still), more))]), np.zeros(len(still))) if len(still) else (None, None)
 
 
 def _unbounded_points(data: StaticsData) -> list[int]:
@@ -131,16 +144,11 @@ def _unlimited(data: StaticsData) -> list[int]:
     return [data.handle.start + int(j) for j in np.flatnonzero(~np.isfinite(handle_limits(data)).any(axis=1))]
 
 
-def _half_limited(data: StaticsData, rates: Array, free: list[int]) -> list[Array]:
-    """Rates that may have one sign only, that of the end that limits them, as rows that have to be >= 0."""
+def _half_limited(data: StaticsData, free: list[int]) -> list[tuple[int, float]]:
+    """Rows of the rates that may have one sign only, that of the end that limits them, with that sign."""
     ends = np.vstack([handle_limits(data), data.torques.limits[free] if free else np.zeros((0, 2))])
-    n = len(data.contact_of_handle)
-    out = []
-    for j, (low, high) in enumerate(ends):
-        if np.isfinite(low) != np.isfinite(high):
-            row = rates[data.handle.start + j] if j < n else np.eye(rates.shape[1])[6 + j - n]
-            out.append(row if np.isfinite(low) else -row)
-    return out
+    half = np.flatnonzero(np.isfinite(ends[:, 0]) != np.isfinite(ends[:, 1]))
+    return [(data.handle.start + int(j), 1.0 if np.isfinite(ends[j, 0]) else -1.0) for j in half]
 
 
 def _tight_rays(data: StaticsData, cone: ConeChoice, i: int, u: Array) -> Array:
