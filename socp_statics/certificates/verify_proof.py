@@ -18,7 +18,7 @@ import re
 import sys
 from collections.abc import Sequence
 from fractions import Fraction
-from itertools import combinations
+from itertools import combinations, product
 from typing import Any, NamedTuple
 
 SCHEMA = 1
@@ -322,42 +322,57 @@ def least_work(statement: Statement, motion: Motion, at: str) -> Fraction:
     return work
 
 
-def check_region(statement: Statement, region: Any, at: str) -> None:
-    """Every inner corner is in balance where it was moved to, every outer edge is implied where it was moved to, both within 1e-8 of size."""
+def check_region(statement: Statement, region: Any, at: str) -> tuple[float, float]:
+    """Every inner corner is in balance where it was moved to, every outer edge is implied where it was moved to, both within 1e-8 of size.
+
+    Returns:
+        By how much at most corners and edges were moved [m].
+    """
     inner, outer = (numbers(entry(region, key, at), None, 2, at=f"{at}.{key}") for key in ("inner", "outer"))
     corners, edges = entry(region, "corners", at), entry(region, "edges", at)
-    if len(corners) != len(inner) or len(edges) < 3 or len(outer) < 3:
-        raise Unreadable(f"{at}: a corner with forces for each inner corner, and motions for the outer edges, are expected")
-    most = DISPLACED**2 * statement.size_squared()
+    if len(corners) != len(inner) or len(outer) < 3:
+        raise Unreadable(f"{at}: forces for each inner corner, and three outer corners, are expected")
+    most, pulled, pushed = DISPLACED**2 * statement.size_squared(), Fraction(0), Fraction(0)
     for i, (corner, given) in enumerate(zip(corners, inner, strict=True)):
         here = f"{at}.corners[{i}]"
         place = numbers(entry(corner, "com", here), 2, at=f"{here}.com")
         moved = sub(place, given)
-        if dot(moved, moved) > most:
+        pulled = max(pulled, dot(moved, moved))
+        if pulled > most:
             raise Refuted(f"{here}.com: the corner was moved by more than 1e-8 of the size")
         check_forces(statement, read_forces(statement, entry(corner, "forces", here), f"{here}.forces"), [*place, statement.com[2]], here)
-    planes = []
-    for i, edge in enumerate(edges):
-        here = f"{at}.edges[{i}]"
-        motion = read_motion(statement, edge, here)
-        origin = statement.load([Fraction(0), Fraction(0), statement.com[2]])
-        beyond = dot(origin, [*motion.linear, *motion.angular]) + least_work(statement, motion, here)
-        planes.append((cross(statement.weight, motion.angular)[:2], -beyond))
+    planes = [half_plane(statement, read_motion(statement, edge, f"{at}.edges[{i}]"), f"{at}.edges[{i}]") for i, edge in enumerate(edges)]
+    if region.get("square") is not None:
+        for axis, (low, high) in zip(([Fraction(1), 0], [0, Fraction(1)]), numbers(region["square"], 2, 2, at=f"{at}.square"), strict=True):
+            planes += [(axis, high), ([-axis[0], -axis[1]], -low)]
     for i, (a, b) in enumerate(zip(outer, [*outer[1:], outer[0]], strict=True)):
         normal = [b[1] - a[1], a[0] - b[0]]
-        offset = furthest(planes, normal)
+        offset = furthest(planes, normal) if any(normal) else Fraction(0)
         if offset is None:
             raise Refuted(f"{at}.outer[{i}]: no two of the motions bound the region beyond this edge")
-        beyond = offset - dot(normal, a)
-        if beyond > 0 and beyond**2 > most * dot(normal, normal):
+        beyond = max(offset - dot(normal, a), Fraction(0)) ** 2 / (dot(normal, normal) or 1)
+        pushed = max(pushed, beyond)
+        if pushed > most:
             raise Refuted(f"{at}.outer[{i}]: the motions bound the region only further out than 1e-8 of the size")
+    return float(pulled) ** 0.5, float(pushed) ** 0.5
+
+
+def half_plane(statement: Statement, motion: Motion, at: str) -> tuple[Vector, Fraction]:
+    """The half-plane ``a . c <= b`` of centres of mass that a motion leaves: beyond it, the load drives the motion and nothing prevents it."""
+    origin = statement.load([Fraction(0), Fraction(0), statement.com[2]])
+    work = dot(origin, [*motion.linear, *motion.angular]) + least_work(statement, motion, at)
+    return cross(statement.weight, motion.angular)[:2], -work
 
 
 def furthest(planes: list[tuple[Vector, Fraction]], normal: Vector) -> Fraction | None:
-    """Least bound of ``normal . c`` that two of the half-planes ``a . c <= b`` imply."""
-    ordered = sorted(planes, key=lambda plane: -float(dot(plane[0], normal)) / (float(dot(plane[0], plane[0])) or 1.0) ** 0.5)[:6]
+    """Least bound of ``normal . c`` that two half-planes ``a . c <= b`` imply, of those whose normals are nearest on either side."""
     found = []
-    for (a, b), (c, d) in combinations(ordered, 2):
+    # floats only choose which half-planes to try
+    nearest = sorted(planes, key=lambda plane: -float(dot(plane[0], normal)) / (float(dot(plane[0], plane[0])) or 1.0) ** 0.5)
+    sides: tuple[list[Any], list[Any]] = ([], [])
+    for a, b in nearest:
+        sides[a[0] * normal[1] > a[1] * normal[0]].append((a, b))
+    for (a, b), (c, d) in product(sides[0][:3], sides[1][:3]):
         area = a[0] * c[1] - a[1] * c[0]
         if area:
             first, second = (normal[0] * c[1] - normal[1] * c[0]) / area, (a[0] * normal[1] - a[1] * normal[0]) / area
