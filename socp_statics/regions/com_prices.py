@@ -155,7 +155,7 @@ def _optimum(
     solution = engine.compile(MODEL, shape).solve(values)
     if solution.status != SOLVED:
         raise EngineError(f"engine {engine.name} did not settle the ray to the nearest edge: {solution.detail}", name=engine.name)
-    multipliers = Multipliers.read(data, directions.twist(nearest.solution), nearest.solution.duals)
+    multipliers = Multipliers.read(data, directions.motion(nearest.solution).twist, nearest.solution.duals)
     none = np.zeros((len(data.limit_values), 2))
     margin = float(solution.objective)
     x = solution.variables["x"]

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from socp_statics.certificates import Motion, motion_of
 from socp_statics.cones.choice import ConeChoice
 from socp_statics.engines.engine import Engine
 from socp_statics.engines.solution import FAILED, INFEASIBLE, UNBOUNDED, Solution
@@ -96,7 +97,7 @@ class Directions:
             "box": np.full(shape.coordinates, clip or 0.0),
         }
         self._session = engine.compile(MODEL, shape).session(values)
-        self._plane = plane
+        self._data, self._plane = data, plane
         self.engine = engine.name
         self.queries = 0
 
@@ -132,9 +133,9 @@ class Directions:
         """Free coordinates as a position relative to the centre of the contacts, scaled."""
         return self._plane.origin + self._plane.axes @ s
 
-    def twist(self, solution: Solution) -> Array:
-        """Scaled motion whose power certifies a query's bound, shape (6,)."""
-        return self._plane.basis @ solution.duals["balance"]
+    def motion(self, solution: Solution) -> Motion:
+        """Scaled motion whose power certifies a query's bound."""
+        return motion_of(self._data, self._plane.basis @ solution.duals["balance"], solution.duals.get("limits"))
 
 
 def recession(data: StaticsData) -> StaticsData:

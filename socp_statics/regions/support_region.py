@@ -94,6 +94,12 @@ class SupportRegion:
         return self.witnesses.motions()
 
     @cached_property
+    def outer_joint_rates(self) -> tuple[dict[str, float], ...]:
+        """For each outer edge the rates of the joints that move with its motion, where torque limits count [rad/s]."""
+        names = self.witnesses.data.torques.names
+        return tuple({names[k]: float(row[k]) for k in np.flatnonzero(row)} for row in self.witnesses.joint_rates())
+
+    @cached_property
     def halfplanes(self) -> tuple[Array, Array]:
         """Half-planes ``A x <= b`` of the outer polygon, unit rows, shapes (l, 2) and (l,) [m].
 
@@ -153,6 +159,7 @@ class SupportRegion:
             "points": [{"contact": contact, "point": point} for contact, point in acting],
             "inner_forces": [_components(f).tolist() for f in forces],
             "outer_multipliers": [[*linear.tolist(), *angular.tolist()] for linear, angular in multipliers],
+            **({"outer_joint_rates": list(self.outer_joint_rates)} if self.frozen else {}),
         }
 
 

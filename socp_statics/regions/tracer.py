@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from socp_statics.certificates import Motion
 from socp_statics.cones.choice import ConeChoice
 from socp_statics.engines.engine import Engine
 from socp_statics.engines.solution import INFEASIBLE, SOLVED, UNBOUNDED, Solution
@@ -92,6 +93,11 @@ class Tracer:
         """Whether nothing but the range of G restricts the forces: handles without limits."""
         return self.data.points == 0 and len(self.data.limit_values) == 0
 
+    @property
+    def _standing(self) -> Motion:
+        """No motion: that of an edge which nothing but the clipping square or the range of G makes."""
+        return Motion(np.zeros(6), np.zeros(len(self.data.torques.names)))
+
     def _point(self) -> SupportRegion:
         """No free coordinate: one position is in reach, it is the region or there is none."""
         position = self.plane.origin
@@ -133,8 +139,8 @@ class Tracer:
         kind = "segment" if len(points) == 2 else "point"
         inner = np.array(points)
         margin = None if self.com is None else float(polygon.distance(inner, self.com))
-        twists = [np.zeros(6) for _ in bounds]
-        return self._result(kind, inner, np.array(bounds), np.zeros((0, 2)), gap, margin, solutions, twists)
+        none = [self._standing] * len(bounds)
+        return self._result(kind, inner, np.array(bounds), np.zeros((0, 2)), gap, margin, solutions, none)
 
     def _endless_line(self, signs: list[float], ends: list[Solution]) -> SupportRegion:
         """One free coordinate without an end on one side or both: a ray or a line, clipped to the square."""
@@ -157,7 +163,7 @@ class Tracer:
         if any(s.status != SOLVED for s in found):
             raise EngineError(f"engine {self.engine.name} did not settle an endless segment", name=self.engine.name)
         points = np.array([clipped.position(s.variables["s"]) for s in found])
-        return self._result("unbounded", points, points, rays, 0.0, margin, found, [np.zeros(6)] * 2)
+        return self._result("unbounded", points, points, rays, 0.0, margin, found, [self._standing] * 2)
 
     def _inside_square(self, axis: Array) -> tuple[float, float]:
         """Between which coordinates a line lies in the clipping square."""
@@ -261,12 +267,12 @@ class Tracer:
         used, outer = sandwich.outer_polygon()
         a, b = polygon.area(inner[mine]), polygon.area(outer)
         gap = max(0.0, (b - a) / b)
-        twists = [directions.twist(supports[k].kept) for k in used]
+        motions = [directions.motion(supports[k].kept) for k in used]
         units = self.data.units
         d, h = np.array([supports[k].d for k in used]), np.array([supports[k].h for k in used])
         # Lines reach the attained points that rounding left outside of them, as the outer polygon's do.
         lines = np.column_stack([d, np.maximum(h, (inner @ d.T).max(axis=0)) * units.length + d @ units.origin[:2]])
-        region = self._result(kind, inner[mine], outer, rays, gap, margin, [supports[k].kept for k in mine], twists)
+        region = self._result(kind, inner[mine], outer, rays, gap, margin, [supports[k].kept for k in mine], motions)
         return replace(region, lines=lines)
 
     def _empty(self) -> SupportRegion:
@@ -274,7 +280,7 @@ class Tracer:
         return self._result("empty", none, none, none, 0.0, None, [], [])
 
     def _result(self, kind: str, inner: Array, outer: Array, rays: Array, gap: float, margin: float | None,
-                solutions: list[Solution], twists: list[Array]) -> SupportRegion:  # fmt: skip
+                solutions: list[Solution], motions: list[Motion]) -> SupportRegion:  # fmt: skip
         units = self.data.units
         origin, length = units.origin[:2], units.length
         reach = CLIP * length
@@ -293,7 +299,7 @@ class Tracer:
             clip=tuple(float(v) for v in square) if kind == "unbounded" else None,  # type: ignore[arg-type]
             size=length,
             frozen=self.data.torques.limited,
-            witnesses=SolvedWitnesses(self.data, tuple(solutions), tuple(twists)),
+            witnesses=SolvedWitnesses(self.data, tuple(solutions), tuple(motions)),
         )
 
 

@@ -10,6 +10,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from socp_statics.certificates import Motion
 from socp_statics.cones.choice import ConeChoice
 from socp_statics.contacts import Stance
 from socp_statics.engines.solution import Solution
@@ -20,12 +21,21 @@ from socp_statics.statics import PointForces, StaticsData, assemble, point_force
 class Witnesses(Protocol):
     """Forces and motions behind the corners and edges of a region."""
 
+    @property
+    def data(self) -> StaticsData:
+        """The arrays of the stance."""
+        ...
+
     def forces(self) -> tuple[PointForces, ...]:
         """Balancing forces for each inner corner."""
         ...
 
     def motions(self) -> tuple[tuple[Array, Array], ...]:
         """(linear, angular) about the mean contact point for each outer edge [m/s, rad/s]."""
+        ...
+
+    def joint_rates(self) -> Array:
+        """Rates of all joints in the motion of each outer edge, zero where a joint has no limit, shape (l, n) [rad/s]."""
         ...
 
 
@@ -35,7 +45,7 @@ class SolvedWitnesses:
 
     data: StaticsData
     solutions: tuple[Solution, ...]
-    twists: tuple[Array, ...]
+    edges: tuple[Motion, ...]
     shift: Array | float = 0.0
 
     def forces(self) -> tuple[PointForces, ...]:
@@ -44,7 +54,11 @@ class SolvedWitnesses:
 
     def motions(self) -> tuple[tuple[Array, Array], ...]:
         """(linear, angular) about the mean contact point for each outer edge [m/s, rad/s]."""
-        return tuple(self.data.units.twist_in_si(t) for t in self.twists)
+        return tuple(self.data.units.twist_in_si(edge.twist) for edge in self.edges)
+
+    def joint_rates(self) -> Array:
+        """Rates of all joints in the motion of each outer edge, shape (l, n) [rad/s]."""
+        return np.array([edge.joints for edge in self.edges]).reshape(len(self.edges), -1) / self.data.units.length
 
 
 class TracedWitnesses:
@@ -76,6 +90,10 @@ class TracedWitnesses:
     def motions(self) -> tuple[tuple[Array, Array], ...]:
         """(linear, angular) about the mean contact point for each outer edge [m/s, rad/s]."""
         return tuple(self.data.units.twist_in_si(t) for t in np.asarray(self._motions))
+
+    def joint_rates(self) -> Array:
+        """No joint matters, shape (l, 0)."""
+        return np.zeros((len(self._motions), 0))
 
 
 class LimitedWitnesses:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import Field
 
-from socp_statics.cases.answers.answer import PRICE_KEYS, RECORD_KEYS, VECTOR, Answer
+from socp_statics.cases.answers.answer import BY_JOINT, PRICE_KEYS, RECORD_KEYS, VECTOR, Answer
 from socp_statics.cases.answers.equilibrium import EquilibriumParameters, price_keys, verdict_keys
 from socp_statics.cases.answers.safety import SAFETY_KEYS, safety_verdict
 
@@ -31,6 +31,7 @@ REGION_KEYS: dict[str, Any] = {
         "points": [{"contact": None, "point": VECTOR}],
         "inner_forces": [None],
         "outer_multipliers": [None],
+        "outer_joint_rates": [{BY_JOINT: None}],
     },
     "prices": RECORD_KEYS["prices"] | {"com_margin": PRICE_KEYS},
 }
