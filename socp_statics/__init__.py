@@ -76,6 +76,7 @@ _HOMES = {
     "Record": "cases.record",
     "compare": "comparison",
     "compare_records": "comparison",
+    "prove": "cases.proving",
     "compare_regions": "comparison",
     "draw": "figures",
     "draw_robot": "figures",
@@ -85,6 +86,7 @@ _HOMES = {
 
 if TYPE_CHECKING:
     from socp_statics.cases.problem import load_problem as load_problem
+    from socp_statics.cases.proving import prove as prove
     from socp_statics.cases.record import Record as Record
     from socp_statics.cases.solve import solve as solve
     from socp_statics.comparison import compare as compare

@@ -22,10 +22,11 @@ STIFFEST = 1e-7
 
 
 class Slacks(NamedTuple):
-    """How far forces are inside every inequality, and the derivative by x, shapes (m,) and (m, nx)."""
+    """How far forces are inside every inequality, and the derivative by x, shapes (m,) and (m, nx); whose contact or limit each is."""
 
     values: Array
     rows: Array
+    owners: tuple[str, ...]
 
 
 def force_slacks(data: StaticsData, cone: ConeChoice, x: Array) -> Slacks:
@@ -38,9 +39,11 @@ def force_slacks(data: StaticsData, cone: ConeChoice, x: Array) -> Slacks:
     """
     values: list[float] = []
     rows: list[Array] = []
+    owners: list[str] = []
     normal, first_spin = data.normal.start, data.torsional.start - (data.circular - data.box)
 
     def add(terms: dict[int, float]) -> None:
+        owners.append(data.names[data.contact_of_point[i]])
         row = np.zeros(len(x))
         for j, v in terms.items():
             row[j] = v
@@ -76,12 +79,14 @@ def force_slacks(data: StaticsData, cone: ConeChoice, x: Array) -> Slacks:
             row[data.normal] = sign * end
             rows.append(row)
             values.append(float(row @ x) - sign * limit)
+            owners.append(data.names[data.contact_of_point[int(np.argmax(end))]])
     closed = {k for pair in closed_limits(data) for k in pair}
     for k in range(len(data.limit_values)):
         if k not in closed:
             rows.append(-data.limit_rows[k])
             values.append(float(data.limit_values[k] - data.limit_rows[k] @ x))
-    return Slacks(np.array(values), np.array(rows).reshape(-1, len(x)))
+            owners.append(data.limit_names[k])
+    return Slacks(np.array(values), np.array(rows).reshape(-1, len(x)), tuple(owners))
 
 
 def equality_rows(data: StaticsData) -> tuple[Array, Array]:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import json
+import math
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
 from typing import Any
 
 from socp_statics.certificates.contact_motion import Motion
@@ -44,7 +47,56 @@ class ExactStance:
         return cls(stance, cone, assemble(stance), table, read_statement(table))
 
 
-def stable_proof(exact: ExactStance, x: Array) -> tuple[dict[str, Any] | None, str]:
+@dataclass(frozen=True, eq=False)
+class Proof:
+    """What exact arithmetic says of an answer.
+
+    Attributes:
+        verdict: "stable" or "unstable", proved; or "undecided".
+        reason: Why it is undecided, else None.
+        document: The proof file.
+        region: "proved" or "undecided" where the answer has a region, else None.
+        region_reason: Why the region is undecided, else None.
+        pulled: By how much inner corners were pulled in at most [m].
+        pushed: By how much outer edges were pushed out at most [m].
+    """
+
+    verdict: str
+    reason: str | None
+    document: dict[str, Any] = field(repr=False)
+    region: str | None = None
+    region_reason: str | None = None
+    pulled: float = 0.0
+    pushed: float = 0.0
+
+    @property
+    def proved(self) -> bool:
+        """Whether the verdict is proved."""
+        return self.verdict != "undecided"
+
+    @property
+    def shift(self) -> float:
+        """By how much the centre of mass was moved so that the load is in reach exactly [m]."""
+        return math.sqrt(sum(float(Fraction(v)) ** 2 for v in self.document.get("shift", ())))
+
+    def with_region(self, entry: dict[str, Any] | None, reason: str, moved: tuple[float, float]) -> Proof:
+        """The same proof with that of a region, or with why there is none."""
+        if entry is None:
+            return replace(self, region="undecided", region_reason=reason)
+        document = self.document | {"region": entry}
+        return replace(self, document=document, region="proved", pulled=moved[0], pushed=moved[1])
+
+    def to_json(self) -> str:
+        """The proof file as text."""
+        return json.dumps(self.document, indent=1) + "\n"
+
+
+def undecided(exact: ExactStance, reason: str) -> Proof:
+    """No proof of either verdict, and why."""
+    return Proof("undecided", reason, _document(exact, "undecided") | {"reason": reason})
+
+
+def stable_proof(exact: ExactStance, x: Array) -> tuple[Proof | None, str]:
     """A proof that forces next to x balance the load.
 
     Args:
@@ -52,7 +104,7 @@ def stable_proof(exact: ExactStance, x: Array) -> tuple[dict[str, Any] | None, s
         x: Scaled unknowns, shape (nx,).
 
     Returns:
-        The proof file's entries, or None; and why there is none.
+        The proof, or None; and why there is none.
     """
     why = ""
     for room in ROOMS:
@@ -66,11 +118,11 @@ def stable_proof(exact: ExactStance, x: Array) -> tuple[dict[str, Any] | None, s
         except Refuted as error:
             why = str(error)
             continue
-        return document, ""
+        return Proof("stable", None, document), ""
     return None, why
 
 
-def unstable_proof(exact: ExactStance, motion: Motion) -> tuple[dict[str, Any] | None, str]:
+def unstable_proof(exact: ExactStance, motion: Motion) -> tuple[Proof | None, str]:
     """A proof that nothing prevents a motion next to the given one.
 
     Args:
@@ -78,7 +130,7 @@ def unstable_proof(exact: ExactStance, motion: Motion) -> tuple[dict[str, Any] |
         motion: A certificate, scaled.
 
     Returns:
-        The proof file's entries, or None; and why there is none.
+        The proof, or None; and why there is none.
     """
     why = "motion: there is none"
     for table in motion_tables(exact.statement, exact.data, exact.cone, motion):
@@ -88,7 +140,7 @@ def unstable_proof(exact: ExactStance, motion: Motion) -> tuple[dict[str, Any] |
         except Refuted as error:
             why = str(error)
             continue
-        return document, ""
+        return Proof("unstable", None, document), ""
     return None, why
 
 

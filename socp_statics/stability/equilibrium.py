@@ -48,6 +48,7 @@ class EquilibriumAnswer:
         torques: Joint torques of the forces [N m], where there are forces and a robot.
         torque_limits: Lower and upper joint torques that were respected [N m], where they were asked for.
         optimum: Scaled forces and multipliers that prices follow from, where there are any.
+        stance: The stance that was asked about.
     """
 
     verdict: str
@@ -65,6 +66,7 @@ class EquilibriumAnswer:
     torques: dict[str, float] | None = None
     torque_limits: dict[str, tuple[float, float]] | None = None
     optimum: Optimum | None = field(default=None, repr=False)
+    stance: Stance | None = field(default=None, repr=False)
 
     @cached_property
     def prices(self) -> Prices | None:
@@ -119,7 +121,7 @@ def check_equilibrium(
     """
     stance = stance_of(contacts, com, mass, gravity, external_wrenches, torque_limits)
     choice = cone_choice(cone, sides, heading)
-    answer = _checked(stance, choice, form, engine)
+    answer = _with(_checked(stance, choice, form, engine), stance=stance)
     if answer.verdict == "unstable" and stance.torque_limits is not None:
         unlimited = _checked(replace(stance, torque_limits=None), choice, form, engine)
         if unlimited.verdict == "stable":
