@@ -61,7 +61,8 @@ def prove(answer: Mapping[str, Any] | EquilibriumAnswer, engine: str | Sequence[
     if not isinstance(answer, Mapping):
         stance = getattr(answer, "stance", None)
         if stance is None:
-            raise InputError(f"answer: a record or an answer of check_equilibrium is expected, got {answer!r}", name="answer", field="answer")
+            message = f"answer: a record or an answer of check_equilibrium is expected, got {answer!r}"
+            raise InputError(message, name="answer", field="answer")
         return _of_answer(ExactStance.of(stance, answer.cone), answer, engine)
     try:
         return _of_record(answer, engine)

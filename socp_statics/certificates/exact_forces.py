@@ -124,11 +124,10 @@ class _Rows:
         out = [*unit[:3], *add(unit[3:], cross(arm, unit[:3]))]
         normal = contact.limits is None and component == (2 if contact.friction else 0)
         out += [Fraction(normal and contact.name == name) for name in self._sums]
-        joints = self._statement.joints
         for name, place in self._closed:
             if place is None:
-                j = joints.names.index(name)
-                out.append(dot([row[j] for row in joints.jacobians[contact.name]], unit))
+                j = self._statement.joints.index(name)
+                out.append(dot([row[j] for row in self._statement.jacobians[contact.name]], unit))
             else:
                 out.append(Fraction(contact.name == name and component == place))
         return out
@@ -138,12 +137,11 @@ class _Rows:
         load = self._statement.load(com)
         out = [-v for v in [*load[:3], *sub(load[3:], cross(self._about, load[:3]))]]
         by_name = {contact.name: contact for contact in self._statement.contacts}
-        out += [by_name[name].bounds[0] for name in self._sums]  # type: ignore[index]
-        joints = self._statement.joints
+        out += [by_name[name].bounds[0] for name in self._sums]  # type: ignore[index, misc]
         for name, place in self._closed:
             if place is None:
-                j = joints.names.index(name)
-                out.append(joints.passive[j] - joints.limits[j][1])  # type: ignore[operator]
+                j = self._statement.joints.index(name)
+                out.append(self._statement.passive[j] - self._statement.limits[j][1])  # type: ignore[operator]
             else:
                 out.append(by_name[name].limits[place][1])  # type: ignore[index, arg-type]
         return out

@@ -90,9 +90,8 @@ def _standing_still(statement: Statement, data: StaticsData, exact: list[Fractio
         contact = by_name[name]
         unit = contact.units[point][component]
         wrench = [*unit[:3], *add(unit[3:], cross(sub(contact.position, about), unit[:3]))]
-        joints = statement.joints
-        if joints.names:
-            columns = zip(*joints.jacobians[name], strict=True)
+        if statement.joints:
+            columns = zip(*statement.jacobians[name], strict=True)
             wrench += [dot(column, unit) for column in columns]
         rows.append(wrench)
     value = [dot(row, exact) for row in rows]

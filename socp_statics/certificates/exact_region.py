@@ -15,7 +15,7 @@ from socp_statics.certificates.exact_motion import motion_tables
 from socp_statics.certificates.exact_statement import rationals
 from socp_statics.certificates.force_repair import repaired
 from socp_statics.certificates.proof import ExactStance
-from socp_statics.certificates.verify_proof import Refuted, Unreadable, check_forces, check_region, half_plane, read_motion
+from socp_statics.certificates.verify_proof import Place, Refuted, Unreadable, check_forces, check_region, half_plane, read_motion
 from socp_statics.spatial import Array
 
 # Shares of 1e-8 of the size by which a corner is moved.
@@ -64,7 +64,7 @@ def region_proof(
     if square is not None:
         entry["square"] = rationals(square)
     try:
-        moved = check_region(exact.statement, entry, "region")
+        moved = check_region(exact.statement, Place(entry, "region"))
     except (Refuted, Unreadable) as error:
         return None, str(error), nowhere
     return entry, "", moved
@@ -115,7 +115,7 @@ def _edge(exact: ExactStance, motion: Motion) -> tuple[dict[str, Any] | None, st
     why = "there is no motion"
     for table in motion_tables(exact.statement, exact.data, exact.cone, motion):
         try:
-            half_plane(exact.statement, read_motion(exact.statement, table, "motion"), "motion")
+            half_plane(exact.statement, read_motion(exact.statement, Place(table, "motion")), "motion")
         except Refuted as error:
             why = str(error)
             continue

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from fractions import Fraction
 from typing import Any
 
@@ -50,7 +49,8 @@ def exact_statement(stance: Stance, cone: ConeChoice) -> dict[str, Any]:
         "mass": rationals(stance.mass),
         "gravity": rationals(stance.gravity),
         "external_wrenches": wrenches,
-    } | _joints(stance)
+        "joints": _joints(stance),
+    }
 
 
 def limited_joints(stance: Stance) -> list[int]:
@@ -77,14 +77,11 @@ def _contact(contact: Contact) -> dict[str, Any]:
 def _joints(stance: Stance) -> dict[str, Any]:
     joints = limited_joints(stance)
     if not joints:
-        return {}
+        return {"names": [], "limits": [], "passive": [], "jacobians": {}}
     posture = stance.posture
-    names: Iterable[str] = (posture.robot.joints[k] for k in joints)
     return {
-        "joints": {
-            "names": list(names),
-            "limits": rationals(stance.torque_limits[joints]),  # type: ignore[index]
-            "passive": rationals(passive_torque(stance)[joints]),
-            "jacobians": {c.name: rationals(posture.jacobian[c.name][:, joints]) for c in stance.contacts},
-        }
+        "names": [posture.robot.joints[k] for k in joints],
+        "limits": rationals(stance.torque_limits[joints]),  # type: ignore[index]
+        "passive": rationals(passive_torque(stance)[joints]),
+        "jacobians": {c.name: rationals(posture.jacobian[c.name][:, joints]) for c in stance.contacts},
     }

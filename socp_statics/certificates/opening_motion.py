@@ -33,7 +33,7 @@ class Opening(NamedTuple):
 
 
 def rates_map(data: StaticsData) -> Array:
-    """Velocity along every unknown of x, then rates of the n limited joints, per unit of twist and of these rates, shape (nx + n, 6 + n)."""
+    """Velocity along each unknown of x, then rates of the n limited joints, per unit of twist and of these, shape (nx + n, 6 + n)."""
     free = limited(data)
     if not free:
         return data.wrench_map.T

@@ -13,7 +13,7 @@ from socp_statics.certificates.exact_forces import exact_forces
 from socp_statics.certificates.exact_motion import motion_tables
 from socp_statics.certificates.exact_statement import exact_statement, rationals
 from socp_statics.certificates.force_repair import repaired
-from socp_statics.certificates.verify_proof import SCHEMA, Refuted, Statement, read_statement, verify
+from socp_statics.certificates.verify_proof import SCHEMA, Place, Refuted, Statement, read_statement, verify
 from socp_statics.cones.choice import ConeChoice
 from socp_statics.contacts import Stance
 from socp_statics.spatial import Array
@@ -44,7 +44,7 @@ class ExactStance:
     def of(cls, stance: Stance, cone: ConeChoice) -> ExactStance:
         """The exact stance of a stance."""
         table = exact_statement(stance, cone)
-        return cls(stance, cone, assemble(stance), table, read_statement(table))
+        return cls(stance, cone, assemble(stance), table, read_statement(Place(table, "statement")))
 
 
 @dataclass(frozen=True, eq=False)
