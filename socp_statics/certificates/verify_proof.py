@@ -2,13 +2,12 @@
 
     python verify_proof.py proof.json      exit status 0: verified, 1: refuted, with where, 2: cannot be read
 
-All numbers are rationals, "p/q". The theorem is about the model that the statement of the file spells out; nothing else of the file is
-taken on trust. A contact force is R f, R the matrix of the file (columns t1, t2, n; of floats, so not orthonormal to the last bit) and f in
-|(fx, fy)| <= mu fz, or in a pyramid with the face normals and the factor of the slope of the file; it acts at position + R (x, y, 0). A
-motion is a twist of the robot with rates of the joints whose torque is limited. Forces and motions meet in the power, so that cones
-and their duals need no square roots. "Stable": forces that balance the load, each in its cone, bound and limit. "Unstable": a motion on
-which the load does more work than admissible forces and torques can take up. "Region": forces at every inner corner, and motions
-whose half-planes, two at a time, imply every outer edge.
+All numbers are rationals, "p/q". The theorem is about the model that the statement spells out; nothing else of the file is taken on trust.
+A contact force is R f, R the matrix of the file (columns t1, t2, n; floats, not orthonormal to the last bit) and f in |(fx, fy)| <= mu fz,
+or in a pyramid with the face normals and the slope factor of the file; it acts at position + R (x, y, 0). Forces and motions meet in
+the power, so that cones and their duals need no roots. "Stable": forces that balance the load, each in its cone, bound and limit.
+"Unstable": a motion (a twist, with rates of limited joints) on which the load does more work than forces and torques can take up.
+"Region": forces at every inner corner, and motions whose half-planes, two at a time, imply every outer edge.
 """
 
 from __future__ import annotations
