@@ -10,6 +10,7 @@ import numpy as np
 
 from socp_statics.cases.record_audit import (
     HELD,
+    check_edge,
     check_held,
     check_polygons,
     recorded_forces,
@@ -161,9 +162,9 @@ def _check_margin(record: Mapping[str, Any], data: StaticsData, again: Equilibri
 def _with_region(proof: Proof, exact: ExactStance, region: Mapping[str, Any], engine: str | Sequence[str]) -> Proof:
     """The proof with that of the region of a record."""
     nowhere = (0.0, 0.0)
-    check_polygons(region)
     inner, outer = (np.array(region[key], dtype=float).reshape(-1, 2) for key in ("inner", "outer"))
     if region["kind"] not in ("polygon", "unbounded") or len(inner) < 3 or len(outer) < 3:
+        check_polygons(region)
         return proof.with_region(None, f"a region that is {region['kind']} has no edges with motions", nowhere)
     if region.get("widened"):
         return proof.with_region(None, "the set of forces has no interior, it was traced with widened cones", nowhere)
@@ -173,17 +174,19 @@ def _with_region(proof: Proof, exact: ExactStance, region: Mapping[str, Any], en
         raise refute("region", "forces for each inner corner, and a motion for each outer edge, are expected")
     for i, (corner, x) in enumerate(zip(inner, forces, strict=True)):
         check_held(_moved(data, stance.com, corner), exact.cone, x, f"region.inner[{i}]")
-    middle = _middle(exact, inner, engine)
-    if middle is None:
-        return proof.with_region(None, "there are no forces inside the cones in the middle of it", nowhere)
     origin, reach = data.units.origin, CLIP * data.units.length
     square = np.column_stack([origin[:2] - reach, origin[:2] + reach]) if region["kind"] == "unbounded" else None
     rates = region.get("outer_joint_rates") or [{}] * len(outer)
-    motions = [
-        scaled_motion(data, np.array(motion[:3]), np.array(motion[3:]), origin, _rates(data, joints))
-        for motion, joints, clipped in zip(region["outer_multipliers"], rates, on_square(outer, square), strict=True)
-        if not clipped
-    ]
+    motions = []
+    for i, clipped in enumerate(on_square(outer, square)):
+        if not clipped:
+            given = np.array(region["outer_multipliers"][i], dtype=float)
+            motions.append(scaled_motion(data, given[:3], given[3:], origin, _rates(data, rates[i])))
+            check_edge(data, exact.cone, motions[-1], f"region.outer_multipliers[{i}]")
+    check_polygons(region)
+    middle = _middle(exact, inner, engine)
+    if middle is None:
+        return proof.with_region(None, "there are no forces inside the cones in the middle of it", nowhere)
     return proof.with_region(*region_proof(exact, inner, forces, middle, outer, motions, square))
 
 

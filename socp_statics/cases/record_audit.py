@@ -179,6 +179,23 @@ def recorded_motion(record: Mapping[str, Any], cone: ConeChoice, data: StaticsDa
     return motion
 
 
+def check_edge(data: StaticsData, cone: ConeChoice, motion: Motion, where: str) -> None:
+    """Refute a motion behind an outer edge that admissible forces can prevent.
+
+    Args:
+        data: The stance's arrays.
+        cone: Exact cones or pyramids.
+        motion: The motion, scaled.
+        where: What to call it.
+
+    Raises:
+        StaticsError: They can, by more than rounding.
+    """
+    size = max(float(np.abs(motion.twist).max()), float(np.abs(motion.joints).max(initial=0.0)))
+    if not least_work(data, motion, contact_motion(data, cone, motion)).violation <= HELD * size:
+        raise refute(where, "admissible forces and torques can prevent the motion")
+
+
 def check_polygons(region: Mapping[str, Any]) -> None:
     """Refute areas that are not those of the polygons.
 
