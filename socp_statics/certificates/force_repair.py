@@ -146,9 +146,10 @@ def repaired(data: StaticsData, cone: ConeChoice, x: Array, room: float = ROOM) 
         seen = np.abs(slacks.rows) @ weights > 0.0
         active = (active if len(active) else np.zeros(len(seen), dtype=bool)) | (seen & (slacks.values < asked))
         short = active & (slacks.values < 2.0 * asked)
-        if float(np.abs(missing).max(initial=0.0)) < 1e-15 * max(1.0, float(np.abs(x).max(initial=0.0))) and not (
-            seen & (slacks.values < asked)
-        ).any():
+        if (
+            float(np.abs(missing).max(initial=0.0)) < 1e-15 * max(1.0, float(np.abs(x).max(initial=0.0)))
+            and not (seen & (slacks.values < asked)).any()
+        ):
             break
         rows, wanted = slacks.rows[short], 3.0 * asked - slacks.values[short]
         A = np.vstack([E, rows]) * weights

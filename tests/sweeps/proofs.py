@@ -37,7 +37,15 @@ from socp_statics.statics.wrench_range import SINGULAR  # noqa: E402
 BOUNDARY, CONDITIONED = 1e-7, 1e-6
 CHUNK = 20
 # Most stances have exact cones; pyramids of several sides in turn.
-CONES = [{}, {}, {"cone": "inscribed", "sides": 4}, {}, {"cone": "circumscribed", "sides": 7, "heading": 0.3}, {}, {"cone": "inscribed", "sides": 5}]
+CONES = [
+    {},
+    {},
+    {"cone": "inscribed", "sides": 4},
+    {},
+    {"cone": "circumscribed", "sides": 7, "heading": 0.3},
+    {},
+    {"cone": "inscribed", "sides": 5},
+]
 
 
 class Proved(NamedTuple):
@@ -50,6 +58,11 @@ class Proved(NamedTuple):
     owed: bool
     points: int
     seconds: float
+
+    @property
+    def proved(self) -> bool:
+        """Whether its verdict is proved."""
+        return self.outcome.startswith("proved")
 
 
 def prove_case(case: Case, near: bool, engine: str) -> Proved | None:
@@ -121,18 +134,19 @@ class _Here:
 
 def violations(found: list[Proved]) -> list[str]:
     """What does not hold, each with the name of its stance."""
-    return [f"{p.name}: {p.verdict}, {p.outcome}" for p in found if (p.owed and not p.outcome.startswith("proved")) or "CONTRA" in p.outcome]
+    bad = [p for p in found if (p.owed and not p.proved) or p.outcome.startswith("CONTRADICTION")]
+    return [f"{p.name}: {p.verdict}, {p.outcome}" for p in bad]
 
 
 def table(found: list[Proved]) -> list[str]:
     """Counts by group, verdict and outcome, and the times."""
-    count = Counter((p.group, p.verdict, p.outcome if p.outcome.startswith("proved") else p.outcome.split(":")[0]) for p in found)
+    count = Counter((p.group, p.verdict, p.outcome.split(":")[0]) for p in found)
     lines = [f"{number:6d}  {group:<10}  {verdict:<9}  {outcome}" for (group, verdict, outcome), number in sorted(count.items())]
-    eight = [1e3 * p.seconds for p in found if p.points == 8 and p.outcome.startswith("proved")]
+    eight = [1e3 * p.seconds for p in found if p.points == 8 and p.proved]
     if eight:
         lines.append(f"process time of a proof with 8 points: median {np.median(eight):.1f} ms, largest {max(eight):.1f} ms")
-    owed = sum(p.owed for p in found)
-    return [*lines, f"{owed} verdicts have to be proved, {owed - len([p for p in found if p.owed and not p.outcome.startswith('proved')])} are"]
+    owed = [p.proved for p in found if p.owed]
+    return [*lines, f"{len(owed)} verdicts have to be proved, {sum(owed)} are"]
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -151,7 +165,8 @@ def main(arguments: list[str] | None = None) -> int:
         return 0
     found = prove_all(given.stances, given.near, given.seed, given.engine, given.workers)
     bad = violations(found)
-    print(f"{len(found)} stances, {sum(p.group == 'near' for p in found)} of them next to the boundary, seed {given.seed}, engine {given.engine}")
+    near = sum(p.group == "near" for p in found)
+    print(f"{len(found)} stances, {near} of them next to the boundary, seed {given.seed}, engine {given.engine}")
     print(*table(found), *bad, f"{len(bad)} violations", sep="\n")
     return 1 if bad else 0
 
