@@ -262,7 +262,7 @@ def test_a_pyramid_takes_its_faces_and_its_slope_from_the_file():
     record = record_of("contacts/slope_block_inscribed")
     document = ss.prove(record, SINGLE).document
     cone = document["statement"]["cone"]
-    choice = ss.ConeChoice("inscribed", record["cone"]["sides"])
+    choice = ss.ConeChoice(**record["cone"])
     assert [[float(Fraction(v)) for v in face] for face in cone["faces"]] == choice.face_normals().tolist()
     assert float(Fraction(cone["slope"])) == choice.slope_factor()
     verifier.verify(document)

@@ -53,14 +53,14 @@ def column_units(data: StaticsData) -> Array:
     return units
 
 
-def exact_forces(statement: Statement, data: StaticsData, x: Array, com: list[Fraction]) -> Balanced | None:
+def exact_forces(equations: Equations, data: StaticsData, x: Array, com: list[Fraction]) -> Balanced | None:
     """Forces next to x that balance the load exactly.
 
     As many independent columns as the map of contact forces has rank are corrected; where that is less than six, a displacement of the
     centre of mass takes up what rounding left out of reach.
 
     Args:
-        statement: The statement.
+        equations: Those of the stance.
         data: The same stance in floats.
         x: Scaled unknowns, shape (nx,); next to balance.
         com: Centre of mass [m].
@@ -68,37 +68,39 @@ def exact_forces(statement: Statement, data: StaticsData, x: Array, com: list[Fr
     Returns:
         The forces; None where what is out of reach is more than a displacement of the centre of mass can take up.
     """
-    where, units = places(data), column_units(data)
-    by_name = {contact.name: contact for contact in statement.contacts}
-    values = [Fraction(float(v)) for v in x * units]
+    values = [Fraction(float(v)) for v in x * column_units(data)]
     more, _ = equality_rows(data)
     weights = column_weights(data, x)
     chosen = independent_columns(np.vstack([data.wrench_map, more]) * weights, SINGULAR * float(weights.max(initial=0.0)))
-    rows = _Rows(statement, data, [Fraction(float(v)) for v in data.units.origin])
-    exact = rows.columns([(by_name[where[j][0]], *where[j][1:]) for j in chosen])
-    total = rows.zero()
-    for value, (name, point, component) in zip(values, where, strict=True):
-        if value:
-            total = add(total, [value * entry for entry in rows.column(by_name[name], point, component)])
-    right = sub(rows.wanted(com), total)
-    moved = [] if len(chosen) == len(right) else rows.displacements()
-    solution = eliminate([*exact, *moved], right, len(chosen), SINGULAR * data.units.force)
+    right = sub(equations.wanted(com), [dot(row, values) for row in equations.rows])
+    moved = [] if len(chosen) == len(right) else equations.displacements()
+    solution = eliminate([*(equations.columns[j] for j in chosen), *moved], right, len(chosen), SINGULAR * data.units.force)
     if solution is None:
         return None
     for j, change in zip(chosen, solution, strict=False):
         values[j] += change
     shift = solution[len(chosen) :] or [Fraction(0)] * 3
-    forces: ExactForces = {c.name: [[Fraction(0)] * len(u) for u in c.units] for c in statement.contacts}
-    for value, (name, point, component) in zip(values, where, strict=True):
+    forces: ExactForces = {c.name: [[Fraction(0)] * len(u) for u in c.units] for c in equations.statement.contacts}
+    for value, (name, point, component) in zip(values, equations.places, strict=True):
         forces[name][point][component] = value
     return Balanced(forces, list(shift))
 
 
-class _Rows:
-    """The equations of exact forces: balance about a point, then equal bounds and limits without room."""
+class Equations:
+    """The equations of exact forces: balance about the mean contact point, then equal bounds and limits without room.
 
-    def __init__(self, statement: Statement, data: StaticsData, about: list[Fraction]):
-        self._statement, self._about = statement, about
+    Args:
+        statement: The statement.
+        data: The same stance in floats.
+
+    Attributes:
+        places: Contact, point and component of each unknown.
+        columns: What a unit of each unknown adds to the equations.
+        rows: The same by equation.
+    """
+
+    def __init__(self, statement: Statement, data: StaticsData):
+        self.statement, self._about = statement, [Fraction(float(v)) for v in data.units.origin]
         equal = data.bounded[data.bounds[:, 0] == data.bounds[:, 1]] if len(data.bounded) else []
         assert len(equal) == len(bound_rows(data).equal)
         self._sums = [data.names[int(k)] for k in equal]
@@ -110,14 +112,12 @@ class _Rows:
                 self._closed.append((data.names[k], int((data.contact_of_handle[:j] == k).sum())))
             else:
                 self._closed.append((data.limit_names[a], None))
+        by_name = {contact.name: contact for contact in statement.contacts}
+        self.places = places(data)
+        self.columns = [self._column(by_name[name], point, component) for name, point, component in self.places]
+        self.rows = list(zip(*self.columns, strict=True))
 
-    def zero(self) -> list[Fraction]:
-        return [Fraction(0)] * (6 + len(self._sums) + len(self._closed))
-
-    def columns(self, which: list[tuple[Contact, int, int]]) -> list[list[Fraction]]:
-        return [self.column(*one) for one in which]
-
-    def column(self, contact: Contact, point: int, component: int) -> list[Fraction]:
+    def _column(self, contact: Contact, point: int, component: int) -> list[Fraction]:
         """What a unit of a component adds to each row."""
         unit = contact.units[point][component]
         arm = sub(contact.position, self._about)
@@ -126,22 +126,22 @@ class _Rows:
         out += [Fraction(normal and contact.name == name) for name in self._sums]
         for name, place in self._closed:
             if place is None:
-                j = self._statement.joints.index(name)
-                out.append(dot([row[j] for row in self._statement.jacobians[contact.name]], unit))
+                j = self.statement.joints.index(name)
+                out.append(dot([row[j] for row in self.statement.jacobians[contact.name]], unit))
             else:
                 out.append(Fraction(contact.name == name and component == place))
         return out
 
     def wanted(self, com: list[Fraction]) -> list[Fraction]:
-        """Right-hand sides."""
-        load = self._statement.load(com)
+        """Right-hand sides with the centre of mass somewhere."""
+        load = self.statement.load(com)
         out = [-v for v in [*load[:3], *sub(load[3:], cross(self._about, load[:3]))]]
-        by_name = {contact.name: contact for contact in self._statement.contacts}
+        by_name = {contact.name: contact for contact in self.statement.contacts}
         out += [by_name[name].bounds[0] for name in self._sums]  # type: ignore[index, misc]
         for name, place in self._closed:
             if place is None:
-                j = self._statement.joints.index(name)
-                out.append(self._statement.passive[j] - self._statement.limits[j][1])  # type: ignore[operator]
+                j = self.statement.joints.index(name)
+                out.append(self.statement.passive[j] - self.statement.limits[j][1])  # type: ignore[operator]
             else:
                 out.append(by_name[name].limits[place][1])  # type: ignore[index, arg-type]
         return out
@@ -151,5 +151,6 @@ class _Rows:
         out = []
         for i in range(3):
             axis = [Fraction(int(i == k)) for k in range(3)]
-            out.append([*[Fraction(0)] * 3, *cross(axis, self._statement.weight), *[Fraction(0)] * (len(self.zero()) - 6)])
+            more = [Fraction(0)] * (len(self._sums) + len(self._closed))
+            out.append([*[Fraction(0)] * 3, *cross(axis, self.statement.weight), *more])
         return out

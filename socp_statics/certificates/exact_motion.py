@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from fractions import Fraction
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -24,7 +25,9 @@ LARGER = 16.0
 TRIALS = 7
 
 
-def motion_tables(statement: Statement, data: StaticsData, cone: ConeChoice, motion: Motion) -> Iterator[dict[str, Any]]:
+def motion_tables(
+    statement: Statement, data: StaticsData, cone: ConeChoice, motion: Motion, first: Opening | None = None
+) -> Iterator[dict[str, Any]]:
     """Motions for the proof file next to a given one, each a little further from it than the one before; for the verifier to judge.
 
     Args:
@@ -32,12 +35,16 @@ def motion_tables(statement: Statement, data: StaticsData, cone: ConeChoice, mot
         data: The same stance in floats.
         cone: Exact cones or pyramids.
         motion: A certificate, scaled.
+        first: A motion that opens every contact, tried before one is looked for that opens those that matter.
     """
     size = max(float(np.abs(motion.twist).max()), float(np.abs(motion.joints).max(initial=0.0)))
     if not np.isfinite(size) or size == 0.0:
         return
     motion = Motion(motion.twist / size, motion.joints / size)
     yield _table(data, cone, _as_rationals(data, motion))
+    if first is not None:
+        for candidate in islice(_opened(data, cone, motion, first), 2):
+            yield _table(data, cone, _as_rationals(data, candidate))
     opening = opening_motion(data, cone, motion)
     if opening is None:
         return

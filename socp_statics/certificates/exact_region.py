@@ -94,7 +94,7 @@ def _corner(exact: ExactStance, place: Array, x: Array, middle: tuple[Array, Arr
         there = place + share * (centre - place)
         at = replace(data, load=data.load + data.com_load @ ((there - exact.stance.com[:2]) / data.units.length))
         com = [Fraction(float(v)) for v in (*there, exact.stance.com[2])]
-        found = exact_forces(exact.statement, at, repaired(at, exact.cone, (1.0 - share) * x + share * inside, ROOM), com)
+        found = exact_forces(exact.equations, at, repaired(at, exact.cone, (1.0 - share) * x + share * inside, ROOM), com)
         if found is None:
             return None, "rank: the contacts reach the load but for rounding"
         place_there = [c + s for c, s in zip(com, found.shift, strict=True)]
@@ -113,7 +113,7 @@ def _corner(exact: ExactStance, place: Array, x: Array, middle: tuple[Array, Arr
 def _edge(exact: ExactStance, motion: Motion) -> tuple[dict[str, Any] | None, str]:
     """A motion next to a given one that nothing prevents beyond its edge."""
     why = "there is no motion"
-    for table in motion_tables(exact.statement, exact.data, exact.cone, motion):
+    for table in motion_tables(exact.statement, exact.data, exact.cone, motion, exact.opening):
         try:
             half_plane(exact.statement, read_motion(exact.statement, Place(table, "motion")), "motion")
         except Refuted as error:

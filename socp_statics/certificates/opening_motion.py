@@ -66,7 +66,7 @@ def opening_motion(data: StaticsData, cone: ConeChoice, motion: Motion) -> Openi
     """
     rates, free = rates_map(data), limited(data)
     y = np.concatenate([motion.twist, motion.joints[free]])
-    size = float(np.abs(y).max())
+    size = float(np.abs(y).max()) or 1.0
     rows: list[Array] = []
     owner: list[tuple[int, ...]] = []
     for i in _unbounded_points(data):

@@ -6,13 +6,17 @@ import json
 import math
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from functools import cached_property
 from typing import Any
 
+import numpy as np
+
 from socp_statics.certificates.contact_motion import Motion
-from socp_statics.certificates.exact_forces import exact_forces
+from socp_statics.certificates.exact_forces import Equations, exact_forces
 from socp_statics.certificates.exact_motion import motion_tables
 from socp_statics.certificates.exact_statement import exact_statement, rationals
 from socp_statics.certificates.force_repair import repaired
+from socp_statics.certificates.opening_motion import Opening, opening_motion
 from socp_statics.certificates.verify_proof import SCHEMA, Place, Refuted, Statement, read_statement, verify
 from socp_statics.cones.choice import ConeChoice
 from socp_statics.contacts import Stance
@@ -45,6 +49,18 @@ class ExactStance:
         """The exact stance of a stance."""
         table = exact_statement(stance, cone)
         return cls(stance, cone, assemble(stance), table, read_statement(Place(table, "statement")))
+
+    @cached_property
+    def equations(self) -> Equations:
+        """What forces have to meet exactly."""
+        return Equations(self.statement, self.data)
+
+    @cached_property
+    def opening(self) -> Opening | None:
+        """A motion that opens every contact, where there is one."""
+        still = Motion(np.zeros(6), np.zeros(len(self.data.torques.names)))
+        found = opening_motion(self.data, self.cone, still)
+        return found if found is not None and not found.still else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +124,7 @@ def stable_proof(exact: ExactStance, x: Array) -> tuple[Proof | None, str]:
     """
     why = ""
     for room in ROOMS:
-        found = exact_forces(exact.statement, exact.data, repaired(exact.data, exact.cone, x, room), list(exact.statement.com))
+        found = exact_forces(exact.equations, exact.data, repaired(exact.data, exact.cone, x, room), list(exact.statement.com))
         if found is None:
             return None, "rank: the contacts reach the load but for rounding"
         forces = {name: [[str(v) for v in f] for f in points] for name, points in found.forces.items()}
