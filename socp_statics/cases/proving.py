@@ -37,6 +37,8 @@ OPEN = {
     None: "the record leaves it open",
 }
 CLIP = 10.0
+# The engine whose forces next to a corner are the most accurate.
+ACCURATE = "clarabel"
 ENDLESS = 1e6
 
 
@@ -184,10 +186,15 @@ def _with_region(proof: Proof, exact: ExactStance, region: Mapping[str, Any], en
             motions.append(scaled_motion(data, given[:3], given[3:], origin, _rates(data, rates[i])))
             check_edge(data, exact.cone, motions[-1], f"region.outer_multipliers[{i}]")
     check_polygons(region)
-    middle = _middle(exact, inner, engine)
-    if middle is None:
+    centre = inner.mean(axis=0)
+    inside = _inside(exact, centre, engine)
+    if inside is None:
         return proof.with_region(None, "there are no forces inside the cones in the middle of it", nowhere)
-    return proof.with_region(*region_proof(exact, inner, forces, middle, outer, motions, square))
+
+    def again(place: Array) -> Array | None:
+        return _inside(exact, place, ACCURATE)
+
+    return proof.with_region(*region_proof(exact, inner, forces, (centre, inside), outer, motions, square, again))
 
 
 def _recorded(data: StaticsData, points: Sequence[Mapping[str, Any]], entry: Any) -> Array:
@@ -201,11 +208,13 @@ def _moved(data: StaticsData, com: Array, corner: Array) -> StaticsData:
     return replace(data, load=data.load + data.com_load @ ((corner - com[:2]) / data.units.length))
 
 
-def _middle(exact: ExactStance, inner: Array, engine: str | Sequence[str]) -> tuple[Array, Array] | None:
-    """The mean inner corner, and forces there as far inside their cones as can be."""
+def _inside(exact: ExactStance, place: Array, engine: str | Sequence[str]) -> Array | None:
+    """Scaled forces as far inside their cones as can be with the centre of mass somewhere, None where there are none."""
     from socp_statics.stability import check_equilibrium
 
-    centre = inner.mean(axis=0)
-    there = replace(exact.stance, com=[*centre, exact.stance.com[2]])
-    answer = check_equilibrium(there, cone=exact.cone, engine=engine)
-    return None if answer.verdict != "stable" or answer.forces is None else (centre, _scaled(exact.data, answer.forces))
+    there = replace(exact.stance, com=[*place, exact.stance.com[2]])
+    try:
+        answer = check_equilibrium(there, cone=exact.cone, engine=engine)
+    except EngineError:
+        return None
+    return None if answer.forces is None else _scaled(exact.data, answer.forces)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
@@ -32,6 +32,7 @@ def region_proof(
     outer: Array,
     motions: Sequence[Motion],
     square: Array | None,
+    again: Callable[[Array], Array | None],
 ) -> tuple[dict[str, Any] | None, str, tuple[float, float]]:
     """A proof of a region's two polygons.
 
@@ -43,6 +44,8 @@ def region_proof(
         outer: Outer corners, shape (l, 2) [m].
         motions: Scaled motions behind the outer edges.
         square: Of a region without end ``[[x_min, x_max], [y_min, y_max]]``, what the polygons are clipped to [m]; else None.
+        again: Scaled unknowns as far inside their cones as can be with the centre of mass somewhere, shape (2,) [m], or None: asked
+            for corners whose forces are not accurate enough.
 
     Returns:
         The entry of the proof file, or None; why there is none; by how much corners were pulled in and edges pushed out [m].
@@ -50,7 +53,7 @@ def region_proof(
     nowhere = (0.0, 0.0)
     corners = []
     for i, (place, x) in enumerate(zip(inner, forces, strict=True)):
-        corner, why = _corner(exact, place, x, middle)
+        corner, why = _corner(exact, place, x, middle, again)
         if corner is None:
             return None, f"region.inner[{i}]: {why}", nowhere
         corners.append(corner)
@@ -84,17 +87,31 @@ def on_square(outer: Array, square: Array | None) -> list[bool]:
     return [bool((sides[k] & sides[(k + 1) % len(outer)]).any()) for k in range(len(outer))]
 
 
-def _corner(exact: ExactStance, place: Array, x: Array, middle: tuple[Array, Array]) -> tuple[dict[str, Any] | None, str]:
-    """Forces at a corner pulled towards the middle."""
-    data, (centre, inside) = exact.data, middle
+def _pulled(
+    exact: ExactStance, place: Array, x: Array, middle: tuple[Array, Array], again: Callable[[Array], Array | None]
+) -> Iterator[tuple[Array, Array]]:
+    """Places towards the middle with forces there: those of the corner with a share of the middle's, at last forces solved for anew."""
+    centre, inside = middle
     away = float(np.linalg.norm(place - centre))
-    why = ""
+    there = place
     for pull in PULLS:
-        share = min(pull * DISPLACED * data.units.length / away, 1.0) if away > 0.0 else 0.0
+        share = min(pull * DISPLACED * exact.data.units.length / away, 1.0) if away > 0.0 else 0.0
         there = place + share * (centre - place)
+        yield there, (1.0 - share) * x + share * inside
+    solved = again(there)
+    if solved is not None:
+        yield there, solved
+
+
+def _corner(
+    exact: ExactStance, place: Array, x: Array, middle: tuple[Array, Array], again: Callable[[Array], Array | None]
+) -> tuple[dict[str, Any] | None, str]:
+    """Forces at a corner pulled towards the middle."""
+    data, why = exact.data, ""
+    for there, forces_there in _pulled(exact, place, x, middle, again):
         at = replace(data, load=data.load + data.com_load @ ((there - exact.stance.com[:2]) / data.units.length))
         com = [Fraction(float(v)) for v in (*there, exact.stance.com[2])]
-        found = exact_forces(exact.equations, at, repaired(at, exact.cone, (1.0 - share) * x + share * inside, ROOM), com)
+        found = exact_forces(exact.equations, at, repaired(at, exact.cone, forces_there, ROOM), com)
         if found is None:
             return None, "rank: the contacts reach the load but for rounding"
         place_there = [c + s for c, s in zip(com, found.shift, strict=True)]
