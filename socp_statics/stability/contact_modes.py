@@ -1,15 +1,15 @@
 r"""Contact modes as a mixed-integer linear program: can any force that obeys the contact laws leave the body accelerating?
 
-Every point separates, sticks, or slides in one of its sectors ``j`` between the directions ``e_j`` and ``e_{j+1}``:
+Every point is open or closed, and every group of points in one plane rests or slides in one of its cells (`sliding_cells`):
 
 .. math::
     \max\; a^T L + \text{work of lower bounds} \quad\text{s.t.}\quad M a = L + G f,\qquad a_n \ge 0,\; f_n \ge 0,\; f_n a_n = 0,
 
-    \text{slides: } a_t \in \mathrm{cone}(e_j, e_{j+1}),\; -f_t \in \text{the arc of } \mu f_n \text{ there and what its tangents cut off}
+    \text{slides: } a_t \in \text{cell},\; -f_t \in \text{the arc of } \mu f_n \text{ there and what its tangents cut off}
 
-Friction that opposes sliding on the exact cone, (3.10) in accelerations, lies on that arc, and forces of a point that sticks lie in the
+Friction that opposes sliding on the exact cone, (3.10) in accelerations, lies on that arc, and forces of a point at rest lie in the
 pyramid of the tangents: every solution of the exact laws is one of the program, so that an optimum of zero proves rest. The other
-way round nothing follows: a solution has to be refined (`mode_witness`) or its sectors divided.
+way round nothing follows: a solution has to be refined (`mode_witness`) or its cells divided (`mode_search`).
 """
 
 from __future__ import annotations
