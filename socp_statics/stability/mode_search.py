@@ -18,7 +18,7 @@ from socp_statics.stability.sliding_cells import divided_cell, first_cells, poly
 
 LEAST_POWER = 1e-6
 FIRST_SIDES = 8
-PROGRAMS = 2000
+PROGRAMS = 1000
 NODES = 20_000
 LARGEST_FORCE = 1e3
 MOVES = "an acceleration that obeys (3.8) and (3.10) on the exact cones"
