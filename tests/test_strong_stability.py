@@ -221,3 +221,11 @@ def test_torque_limits_are_refused():
     posture = ss.pose(ss.load_robot("hoap2"), {})
     with pytest.raises(ss.InputError, match="torque_limits = false"):
         ss.check_strong_stability(posture.stance(torque_limits={"default": 5.0}))
+
+
+def test_limited_handles_and_bounded_soles_are_gone_through():
+    n = (-np.sin(0.2), 0.0, np.cos(0.2))
+    foot = ss.SurfaceContact("foot", (0, 0, 0), normal=n, friction=0.5, size=(0.22, 0.13), normal_force=[0, 560])
+    grip = ss.Handle("grip", (0.3, 0, 1.2), normal=(0, 0, 1), transmits=["fx", "fz"], limits={"fx": [-100, 100], "fz": [-50, 50]})
+    answer = label([foot, grip], (0.05, 0, 0.8))
+    assert (answer.strong, answer.by) == ("strong", "contact_modes")
