@@ -32,6 +32,7 @@ _HOMES = {
     "simple_static_test": "stability",
     "check_equilibrium": "stability",
     "check_equilibrium_many": "stability",
+    "check_strong_stability": "stability",
     "trace_support_region": "regions",
     "trace_support_regions": "regions",
     "support_function": "regions",
@@ -139,6 +140,7 @@ if TYPE_CHECKING:
     from socp_statics.robots import load_robot as load_robot
     from socp_statics.stability import check_equilibrium as check_equilibrium
     from socp_statics.stability import check_equilibrium_many as check_equilibrium_many
+    from socp_statics.stability import check_strong_stability as check_strong_stability
     from socp_statics.stability import margin_gradient as margin_gradient
     from socp_statics.stability import simple_static_test as simple_static_test
     from socp_statics.statics import body_wrench as body_wrench

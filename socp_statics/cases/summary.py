@@ -41,6 +41,8 @@ def summary_lines(record: Mapping[str, Any]) -> list[tuple[str, str]]:
     lines = [("problem", f"{record['problem']}, {record['model']}, {cones}"), ("verdict", verdict)]
     if record["status"] != "solved":
         lines.append(("status", record["status"]))
+    if "strong" in record:
+        lines.append(("weak/strong", _strong(record)))
     lines.append(("margin", _margin(record)))
     if record["idle"]:
         rest = "" if record["idle_margin"] is None else f"; margin of the others {_newtons(record['idle_margin'])}"
@@ -97,6 +99,17 @@ _REASONS = {
     "rank": "the load lies within rounding of what the contacts can carry",
     "torque": "only because of the torque limits",
 }
+
+
+def _strong(record: Mapping[str, Any]) -> str:
+    """Which of the four labels of Section 3.7.1 hold, and why."""
+    labels = {
+        ("stable", "strong"): "weakly and strongly stable",
+        ("stable", "not_strong"): "weakly stable and weakly unstable, not strongly stable",
+        ("stable", "undecided"): "weakly stable, whether strongly is undecided",
+        ("unstable", "not_strong"): "strongly unstable",
+    }
+    return f"{labels.get((record['verdict'], record['strong']), 'undecided')}: {record['strong_by']['statement']}"
 
 
 def _keyframes(record: Mapping[str, Any]) -> str:

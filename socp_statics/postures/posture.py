@@ -62,6 +62,17 @@ class Posture:
         """Mass of the robot [kg]."""
         return self.robot.mass
 
+    @property
+    def inertia_W(self) -> Array:
+        """Inertia of the robot with its joints locked, about the centre of mass in world axes, shape (3, 3) [kg m^2]."""
+        import pinocchio
+
+        model = self.robot.pin_model
+        data = model.createData()
+        pinocchio.ccrba(model, data, self.q, np.zeros(model.nv))
+        inertia: Array = data.Ig.inertia.copy()
+        return inertia
+
     def as_record(self) -> dict[str, Any]:
         """Joint angles by name and the placement of the base: what records say of a configuration."""
         angles = dict(zip(self.robot.joints, self.angles, strict=True))

@@ -8,3 +8,5 @@ from socp_statics.stability.margin_gradient import MarginGradient as MarginGradi
 from socp_statics.stability.margin_gradient import margin_gradient as margin_gradient
 from socp_statics.stability.simple_test import SimpleTest as SimpleTest
 from socp_statics.stability.simple_test import simple_static_test as simple_static_test
+from socp_statics.stability.strong import StrongAnswer as StrongAnswer
+from socp_statics.stability.strong import check_strong_stability as check_strong_stability

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from pydantic import Field
+from pydantic import Field, ValidationInfo, field_validator
 
 from socp_statics.cases.answers.answer import RECORD_KEYS, Answer, Parameters
 from socp_statics.cases.answers.safety import SAFETY_KEYS, safety_verdict
 from socp_statics.cases.answers.simple_test import SIMPLE_TEST_KEYS, simple_tests
+from socp_statics.cases.answers.strong_stability import STRONG_KEYS, strong_keys
+from socp_statics.exceptions import InputError
 
 if TYPE_CHECKING:
     from socp_statics.cases.problem import Problem
@@ -24,6 +26,16 @@ class EquilibriumParameters(Parameters):
 
     safety: float | None = Field(None, ge=0, description="a finite length >= 0 [m]")
     simple_test: bool | None = Field(None, description="true or false")
+    strong: bool | None = Field(None, description="true or false")
+
+    @field_validator("strong")
+    @classmethod
+    def _is_of_one_body_on_exact_cones(cls, value: bool | None, info: ValidationInfo) -> bool | None:
+        if value and info.data.get("cone", "exact") != "exact":
+            raise InputError("strong stability is judged on the exact cones: cone = 'exact' is expected with it")
+        if value and info.data.get("torque_limits"):
+            raise InputError("strong stability is that of one body with locked joints: torque_limits = false is expected with it")
+        return value
 
 
 def torque_keys(answer: EquilibriumAnswer | ForceAnswer | None, stance: Stance) -> dict[str, Any]:
@@ -77,6 +89,8 @@ def verdict_keys(answer: EquilibriumAnswer, stance: Stance) -> dict[str, Any]:
 def answer(problem: Problem, stance: Stance, engine: str | Sequence[str]) -> dict[str, Any]:
     """Verdict, margin and certificate; with ``safety`` the verdict against the offset, with ``simple_test`` that of two inverses.
 
+    With ``strong`` also strong stability.
+
     Args:
         problem: Its parameters.
         stance: Its stance.
@@ -86,7 +100,12 @@ def answer(problem: Problem, stance: Stance, engine: str | Sequence[str]) -> dic
     from socp_statics.stability import check_equilibrium
 
     stated, cone = problem.parameters, problem.cone
-    keys = verdict_keys(check_equilibrium(stance, cone=cone, form=stated["form"], engine=engine), stance)
+    weak = check_equilibrium(stance, cone=cone, form=stated["form"], engine=engine)
+    keys = verdict_keys(weak, stance)
+    if stated.get("strong"):
+        from socp_statics.stability.strong import strong_answer
+
+        keys |= strong_keys(strong_answer(stance, weak, engine))
     if "safety" in stated:
         from socp_statics.regions import trace_support_region
 
@@ -97,4 +116,4 @@ def answer(problem: Problem, stance: Stance, engine: str | Sequence[str]) -> dic
     return keys
 
 
-ANSWER = Answer(EquilibriumParameters, answer, RECORD_KEYS | SAFETY_KEYS | SIMPLE_TEST_KEYS, follows_com=True)
+ANSWER = Answer(EquilibriumParameters, answer, RECORD_KEYS | SAFETY_KEYS | SIMPLE_TEST_KEYS | STRONG_KEYS, follows_com=True)
