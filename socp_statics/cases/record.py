@@ -38,6 +38,10 @@ class Record(Mapping[str, Any]):
         """The record as JSON text: keys in the order of the contract, vectors on one line, a newline at the end."""
         return _laid_out(self._entries, "") + "\n"
 
+    def line(self) -> str:
+        """The record as one line of JSON without spaces, no line's end: what shards hold."""
+        return json.dumps(self._entries, separators=(",", ":"), allow_nan=False)
+
     def write(self, path: str | Path) -> None:
         """Write the record; the file is complete or not there.
 

@@ -88,6 +88,28 @@ def _collect(faults: dict[str, str], path: str, error: InputError) -> None:
     faults.setdefault(path, f"{path}: {str(error).removeprefix('sweep: ').removeprefix('expect: ')}")
 
 
+def read_sweep(raw: Mapping[str, Any], label: str) -> dict[str, Values]:
+    """The sweep of a problem, nothing else of which is looked at.
+
+    Args:
+        raw: The file as TOML reads it.
+        label: The file or problem, for the error sentence.
+
+    Returns:
+        Dotted key -> values; empty without a sweep.
+
+    Raises:
+        InputError: One sentence with every fault.
+    """
+    faults: dict[str, str] = {}
+    if not isinstance(raw.get("sweep", {}), Mapping):
+        faults["sweep"] = "sweep must be a table [sweep]"
+    sweep = _read_sweep(raw, faults)
+    if faults:
+        raise InputError(f"{label}: {'; '.join(faults.values())}", name=label, field=next(iter(faults)))
+    return sweep
+
+
 def _read_sweep(raw: Mapping[str, Any], faults: dict[str, str]) -> dict[str, Values]:
     stated = raw.get("sweep", {})
     sweep: dict[str, Values] = {}

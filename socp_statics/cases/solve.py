@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import platform
 from collections.abc import Mapping, Sequence
+from functools import cache
 from importlib import metadata
 from typing import Any
 
@@ -21,9 +22,9 @@ from socp_statics.registry import nearest
 DISTRIBUTIONS = ("numpy", "scipy", "cvxpy-base", "clarabel", "numba")
 KINEMATICS = "pin"
 KEY_ORDER = (
-    "schema", "problem", "model", "hash", "case", "status", "verdict", "reason", "cone", "objective", "margin", "idle", "idle_margin",
-    "com_margin", "wrenches", "forces", "torques", "torque_limits", "region", "following", "capability", "distribution", "window",
-    "certificate", "prices", "safety", "simple_test", "optimized", "residuals", "expect", "engine", "handovers", "versions",
+    "schema", "problem", "model", "hash", "sweep", "case", "status", "verdict", "reason", "cone", "objective", "margin", "idle",
+    "idle_margin", "com_margin", "wrenches", "forces", "torques", "torque_limits", "region", "following", "capability", "distribution",
+    "window", "certificate", "prices", "safety", "simple_test", "optimized", "residuals", "expect", "engine", "handovers", "versions",
 )  # fmt: skip
 
 
@@ -47,7 +48,7 @@ def solve(problem: Problem, engine: str | Sequence[str] = "auto") -> Record:
         keys = ANSWERS.load(problem.model).compute(problem, stance, engine)
     except InputError as error:
         raise InputError(f"{problem.label}: {_key_of(error, problem)}{error}", name=problem.label, field=error.field) from error
-    return _record(problem, keys.pop("stance", stance), chosen, keys)
+    return record_of(problem, stance, keys, chosen)
 
 
 def shown_stance(problem: Problem, record: Mapping[str, Any]) -> Stance:
@@ -125,6 +126,7 @@ def unmet(record: Record) -> list[str]:
     ]
 
 
+@cache
 def versions(robot: bool = False) -> dict[str, str]:
     """Versions of the toolkit, of Python and of the libraries that decide the numbers.
 
@@ -134,6 +136,29 @@ def versions(robot: bool = False) -> dict[str, str]:
     own = {"socp_statics": socp_statics.__version__, "python": platform.python_version()}
     names = (*DISTRIBUTIONS, KINEMATICS) if robot else DISTRIBUTIONS
     return own | {name.removesuffix("-base"): metadata.version(name) for name in names}
+
+
+def problem_hash(problem: Problem, engine: str) -> str:
+    """The hash of a problem: of its statement, the engine, the schema and its robot.
+
+    Args:
+        problem: A single problem.
+        engine: The engine that is asked first.
+    """
+    posture = problem.robot_posture
+    return case_hash(problem.stated(), engine, None if posture is None else posture.robot.digest)
+
+
+def record_of(problem: Problem, stance: Stance, keys: dict[str, Any], engine: str) -> Record:
+    """The record of an answer.
+
+    Args:
+        problem: A single problem.
+        stance: Its stance.
+        keys: What its answer computed; changed.
+        engine: The engine that was asked first.
+    """
+    return _record(problem, keys.pop("stance", stance), engine, keys)
 
 
 def _record(problem: Problem, stance: Stance, engine: str, keys: dict[str, Any]) -> Record:
@@ -151,6 +176,7 @@ def _record(problem: Problem, stance: Stance, engine: str, keys: dict[str, Any])
         "case": stated | {"generated": generated},
         "com_margin": None,
         **keys,
+        **({} if problem.number is None else {"sweep": {"case": problem.number, "values": problem.swept}}),
         "versions": versions(posture is not None),
     }
     entries["expect"] = evaluate(problem.expect, plain(entries))

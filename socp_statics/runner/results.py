@@ -1,0 +1,209 @@
+"""Reading a results folder: its records one at a time, and a table of their numbers."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from socp_statics.cases.record import Record
+from socp_statics.exceptions import InputError
+from socp_statics.runner.folder import check_results_folder
+from socp_statics.runner.manifest import Manifest
+from socp_statics.runner.shards import ENDING, FOLDER, TIMES_ENDING, case_number, read_lines
+
+COLUMNS = (
+    "problem", "case", "model", "hash", "status", "verdict", "reason", "cone", "objective", "margin", "idle_margin", "com_margin", "mass",
+    "com_x", "com_y", "com_z", "contacts", "region", "inner_area", "outer_area", "relative_gap", "solves", "balance", "engine", "handovers",
+    "failure", "seconds",
+)  # fmt: skip
+NUMBERS = frozenset(
+    ("objective", "margin", "idle_margin", "com_margin", "mass", "com_x", "com_y", "com_z", "inner_area", "outer_area", "relative_gap",
+     "balance", "seconds")
+)  # fmt: skip
+
+
+class Results(Sequence[Record]):
+    """The records of a folder, read from disk when they are asked for.
+
+    Args:
+        folder: The folder.
+        stale: Whether records that no longer hold come too.
+
+    Raises:
+        InputError: The folder is not one of results, or a shard of it cannot be read.
+    """
+
+    def __init__(self, folder: str | Path, stale: bool = False):
+        self.folder = Path(folder)
+        check_results_folder(self.folder, "results folder")
+        self.manifest = _manifest(self.folder)
+        self._places: list[tuple[str, int]] = []
+        for file, shard in sorted(self.manifest.shards.items(), key=lambda item: (item[1].problem, item[0])):
+            old = self.manifest.stale.get(file, set())
+            self._places += [(file, line) for line, (number, *_) in enumerate(shard.cases) if stale or number not in old]
+        self._offsets: dict[str, list[int]] = {}
+
+    @property
+    def stale_count(self) -> int:
+        """Number of records that no longer hold."""
+        return sum(map(len, self.manifest.stale.values()))
+
+    def __len__(self) -> int:
+        return len(self._places)
+
+    def __getitem__(self, i: Any) -> Any:
+        if isinstance(i, slice):
+            return [self[k] for k in range(*i.indices(len(self)))]
+        file, line = self._places[i]
+        path = self.folder / FOLDER / file
+        try:
+            with open(path, "rb") as shard:
+                shard.seek(self._starts(file)[line])
+                return Record(json.loads(shard.readline()))
+        except (OSError, ValueError, IndexError) as error:
+            raise _unreadable(path, error) from error
+
+    def _starts(self, file: str) -> list[int]:
+        """Where the lines of a shard start."""
+        if file not in self._offsets:
+            at, starts = 0, []
+            with open(self.folder / FOLDER / file, "rb") as lines:
+                for line in lines:
+                    starts.append(at)
+                    at += len(line)
+            self._offsets[file] = starts
+        return self._offsets[file]
+
+    def __iter__(self) -> Iterator[Record]:
+        return (Record(entries) for entries, _ in self._read())
+
+    def _read(self) -> Iterator[tuple[dict[str, Any], float | None]]:
+        """Entries and time of each record, shard after shard, without a copy."""
+        wanted: dict[str, set[int]] = {}
+        for file, line in self._places:
+            wanted.setdefault(file, set()).add(line)
+        for file, lines in wanted.items():
+            path, seconds = self.folder / FOLDER / file, self._seconds(file)
+            try:
+                for line, record in enumerate(read_lines(path)):
+                    if line in lines:
+                        yield record, seconds.get(case_number(record))
+            except (OSError, ValueError) as error:
+                raise _unreadable(path, error) from error
+
+    def _seconds(self, file: str) -> dict[int, float]:
+        path = self.folder / FOLDER / (file.removesuffix(ENDING) + TIMES_ENDING)
+        try:
+            return {entry["case"]: entry["seconds"] for entry in map(json.loads, path.read_text(encoding="utf-8").splitlines())}
+        except (OSError, ValueError, KeyError, TypeError):
+            # A checkout has records without times.
+            return {}
+
+    def rows(self) -> Iterator[dict[str, Any]]:
+        """One row a record: the numbers and words of `table`, and the swept values."""
+        return (row_of(record, seconds) for record, seconds in self._read())
+
+    def table(self) -> dict[str, list[Any]]:
+        """Columns, for ``pandas.DataFrame(...)`` and ``polars.DataFrame(...)``.
+
+        Returns:
+            Name to values: what was asked (`COLUMNS`), verdict, margins [N, m], areas [m^2], time [s]; one more column for each swept key.
+            Infinite margins are float infinities; None where a record has no such number.
+        """
+        rows = list(self.rows())
+        names = dict.fromkeys([*COLUMNS, *(key for row in rows for key in row)])
+        return {name: [row.get(name) for row in rows] for name in names}
+
+    def write_parquet(self, path: str | Path) -> None:
+        """Write the table as a Parquet file.
+
+        Args:
+            path: The file.
+
+        Raises:
+            InputError: The extra ``table`` is not installed, or the file cannot be written.
+        """
+        try:
+            import pyarrow
+            from pyarrow import parquet
+        except ImportError as error:
+            raise InputError("Parquet needs the extra table: pip install 'socp-statics[table]'", name=str(path), field="table") from error
+        columns = {name: _uniform(values) for name, values in self.table().items()}
+        try:
+            parquet.write_table(pyarrow.table(columns), path)
+        except OSError as error:
+            raise InputError(f"{path}: a file that can be written is expected ({error})", name=str(path)) from error
+
+
+def _uniform(values: list[Any]) -> list[Any]:
+    """A column of one type, as Parquet wants it: numbers, else words."""
+    kinds = {type(value) for value in values if value is not None}
+    if kinds <= {int, float}:
+        return [float(v) if v is not None and float in kinds else v for v in values]
+    return values if len(kinds) < 2 and kinds <= {str, bool} else [None if v is None else v if isinstance(v, str) else json.dumps(v) for v in values]
+
+
+def row_of(record: Mapping[str, Any], seconds: float | None) -> dict[str, Any]:
+    """The row of a record in a table.
+
+    Args:
+        record: The record.
+        seconds: What it took [s], None where that is not known.
+    """
+    region, made = record.get("region") or {}, record["case"].get("generated") or {}
+    com = made.get("com") or (None, None, None)
+    row = {key: record.get(key) for key in ("problem", "model", "hash", "status", "verdict", "reason", "objective", "margin", "idle_margin",
+                                            "com_margin", "engine", "handovers")}  # fmt: skip
+    row |= {
+        "case": case_number(record),
+        "cone": record["cone"]["kind"],
+        "mass": made.get("mass"),
+        "com_x": com[0],
+        "com_y": com[1],
+        "com_z": com[2],
+        "contacts": len(made.get("contacts") or ()),
+        "region": region.get("kind"),
+        **{key: region.get(key) for key in ("inner_area", "outer_area", "relative_gap", "solves")},
+        "balance": record["residuals"]["balance"],
+        "failure": record.get("failure"),
+        "seconds": seconds,
+    }
+    ordered = {key: _number(row[key]) if key in NUMBERS else row[key] for key in COLUMNS}
+    return ordered | dict(record.get("sweep", {}).get("values", {}))
+
+
+def _number(value: Any) -> float | None:
+    return None if value is None else float(value)
+
+
+def _unreadable(path: Path, error: Exception) -> InputError:
+    return InputError(f"{path}: a shard of records is expected ({error}); socp-statics run computes it anew", name=str(path))
+
+
+def _manifest(folder: Path) -> Manifest:
+    try:
+        return Manifest(folder).read()
+    except ValueError as error:
+        if isinstance(error, InputError):
+            raise
+        message = f"{folder / 'manifest.jsonl'}: this manifest is damaged ({error}); socp-statics run puts it right"
+        raise InputError(message, name=str(folder)) from error
+
+
+def load_results(folder: str | Path, *, stale: bool = False) -> Results:
+    """The records of a results folder.
+
+    Args:
+        folder: A folder that ``socp-statics run`` has written.
+        stale: Whether records of cases that have changed since come too.
+
+    Returns:
+        A sequence of records by problem and case, which are read when they are asked for; ``.table()`` has their numbers.
+
+    Raises:
+        InputError: It is no such folder.
+    """
+    return Results(folder, stale)
+
