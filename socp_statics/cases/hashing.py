@@ -5,11 +5,15 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 SCHEMA = 1
 NOT_HASHED = ("description", "reference", "expect")
+SIMPLE = frozenset((str, int, bool, type(None)))
+FLOATS = {float}
+# Made once: an encoder costs as much as a short text.
+_CANONICAL = json.JSONEncoder(sort_keys=True, separators=(",", ":"), ensure_ascii=True, allow_nan=False)
 
 
 def plain(value: Any) -> Any:
@@ -21,15 +25,35 @@ def plain(value: Any) -> Any:
     Returns:
         Dicts, lists, words, booleans, integers, finite floats, ``"inf"``, ``"-inf"`` and, for NaN, None. Minus zero becomes zero.
     """
+    kind = type(value)
+    if kind is float:
+        return value + 0.0 if math.isfinite(value) else None if math.isnan(value) else "inf" if value > 0 else "-inf"
+    if kind in SIMPLE:
+        return value
+    if kind is dict:
+        return {key if type(key) is str else str(key): plain(entry) for key, entry in value.items()}
+    if kind is list or kind is tuple:
+        return _plain_list(value)
     if isinstance(value, Mapping):
         return {str(key): plain(entry) for key, entry in value.items()}
-    if isinstance(value, str | bool | int | None):
+    if isinstance(value, str | bool | int):
         return value
     if isinstance(value, float):
-        if math.isnan(value):
-            return None
-        return float(value) + 0.0 if math.isfinite(value) else "inf" if value > 0 else "-inf"
-    return plain(value.tolist()) if hasattr(value, "tolist") else [plain(entry) for entry in value]
+        return plain(float(value))
+    if hasattr(value, "tolist"):
+        # An array of numbers is one step; a sum is finite only where every term is.
+        numbers = value.dtype.kind == "f" and value.ndim > 0 and math.isfinite(value.sum())
+        return (value + 0.0).tolist() if numbers else plain(value.tolist())
+    return [plain(entry) for entry in value]
+
+
+def _plain_list(values: Sequence[Any]) -> list[Any]:
+    """Lists of numbers at once: records hold thousands of them."""
+    kinds = set(map(type, values))
+    if kinds == FLOATS:
+        # A sum is finite only where every term is.
+        return [v + 0.0 for v in values] if math.isfinite(sum(values)) else [plain(v) for v in values]
+    return list(values) if kinds <= SIMPLE else [plain(entry) for entry in values]
 
 
 def canonical_json(value: Any) -> str:
@@ -38,7 +62,7 @@ def canonical_json(value: Any) -> str:
     Args:
         value: Anything `plain` takes.
     """
-    return json.dumps(plain(value), sort_keys=True, separators=(",", ":"), ensure_ascii=True, allow_nan=False)
+    return _CANONICAL.encode(plain(value))
 
 
 def case_hash(stated: Mapping[str, Any], engine: str, robot_digest: str | None = None) -> str:

@@ -12,6 +12,10 @@ from socp_statics.cases.writing import finished_or_absent
 from socp_statics.exceptions import InputError
 
 
+# Made once: an encoder costs as much as a short text.
+_LINE = json.JSONEncoder(separators=(",", ":"), allow_nan=False)
+
+
 class Record(Mapping[str, Any]):
     """The record of one answer, a mapping of plain JSON values.
 
@@ -21,6 +25,13 @@ class Record(Mapping[str, Any]):
 
     def __init__(self, entries: Mapping[str, Any]):
         self._entries: dict[str, Any] = plain(entries)
+
+    @classmethod
+    def of_plain(cls, entries: dict[str, Any]) -> Record:
+        """A record of entries that are plain JSON values already, such as those that were read from a file."""
+        record = cls.__new__(cls)
+        record._entries = entries
+        return record
 
     def __getitem__(self, key: str) -> Any:
         return self._entries[key]
@@ -40,7 +51,7 @@ class Record(Mapping[str, Any]):
 
     def line(self) -> str:
         """The record as one line of JSON without spaces, no line's end: what shards hold."""
-        return json.dumps(self._entries, separators=(",", ":"), allow_nan=False)
+        return _LINE.encode(self._entries)
 
     def write(self, path: str | Path) -> None:
         """Write the record; the file is complete or not there.

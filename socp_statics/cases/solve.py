@@ -179,9 +179,13 @@ def _record(problem: Problem, stance: Stance, engine: str, keys: dict[str, Any])
         **({} if problem.number is None else {"sweep": {"case": problem.number, "values": problem.swept}}),
         "versions": versions(posture is not None),
     }
-    entries["expect"] = evaluate(problem.expect, plain(entries))
-    order = [*(key for key in KEY_ORDER if key in entries), *(key for key in entries if key not in KEY_ORDER)]
-    return Record({key: entries[key] for key in order})
+    order = [*(key for key in KEY_ORDER if key in entries or key == "expect"), *(key for key in entries if key not in KEY_ORDER)]
+    record = {key: plain(entries[key]) if key != "expect" else [] for key in order}
+    if problem.expect:
+        # What is expected may be anything but an expectation.
+        found = {key: value for key, value in record.items() if key != "expect"}
+        record["expect"] = plain(evaluate(problem.expect, found))
+    return Record.of_plain(record)
 
 
 def _key_of(error: InputError, problem: Problem) -> str:
