@@ -41,8 +41,8 @@ def plain(value: Any) -> Any:
     if isinstance(value, float):
         return plain(float(value))
     if hasattr(value, "tolist"):
-        # An array of numbers is one step; a sum is finite only where every term is.
-        numbers = value.dtype.kind == "f" and value.ndim > 0 and math.isfinite(value.sum())
+        # An array of finite numbers is one step.
+        numbers = value.dtype.kind == "f" and value.ndim and value.size and math.isfinite(value.min()) and math.isfinite(value.max())
         return (value + 0.0).tolist() if numbers else plain(value.tolist())
     return [plain(entry) for entry in value]
 

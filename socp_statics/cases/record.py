@@ -11,7 +11,6 @@ from socp_statics.cases.hashing import SCHEMA, plain
 from socp_statics.cases.writing import finished_or_absent
 from socp_statics.exceptions import InputError
 
-
 # Made once: an encoder costs as much as a short text.
 _LINE = json.JSONEncoder(separators=(",", ":"), allow_nan=False)
 

@@ -149,6 +149,21 @@ def swept_tables(raw: Mapping[str, Any], sweep: Mapping[str, Values], number: in
     return tables
 
 
+def read_posture(stated: Mapping[str, Any], folder: Path | None) -> tuple[Table, Posture | None] | None:
+    """A posture by itself, for cases of one sweep that differ in nothing else.
+
+    Args:
+        stated: The table ``[posture]`` as TOML reads it.
+        folder: Where relative paths of the file start.
+
+    Returns:
+        The table with defaults filled in, and the posture of the robot where there is one; None where it has faults.
+    """
+    faults: dict[str, str] = {}
+    posture, made, _ = _read_posture(stated, folder, faults)
+    return None if faults or posture is None else (posture, made)
+
+
 def _read_posture(stated: Mapping[str, Any], folder: Path | None, faults: dict[str, str]) -> tuple[Table | None, Posture | None, Names]:
     try:
         generator = check_generator(stated.get("generator"))

@@ -17,6 +17,7 @@ FIRST_CASES, GROWTH, MOST_CASES = 4, 8, 2000
 # How often a case that is computed alone may take its process with it before the case is blamed.
 PATIENCE = 2
 LOOK = 0.2
+Finished = Callable[[Sequence[Part], Done], None]
 
 
 class Pool(Protocol):
@@ -79,7 +80,8 @@ class Chunks:
         if self._next is None:
             return None
         group = self._next[0].group
-        size, cases = self._size(group), []
+        size = self._size(group)
+        cases: list[tuple[Question, int, dict[int, str]]] = []
         while self._next is not None and len(cases) < size and self._next[0].group == group:
             cases.append(self._next)
             self._next = next(self._cases, None)
@@ -95,7 +97,7 @@ def _part(question: Question, numbers: list[int], known: dict[int, str]) -> Part
     return Part(question.name, question.label, question.path, question.tables, question.sweep, numbers, mine)
 
 
-def dispatch(chunks: Chunks, pool: Pool, engine: str, finished: Callable[[Sequence[Part], Done], None], waiting: Callable[[], None]) -> None:
+def dispatch(chunks: Chunks, pool: Pool, engine: str, finished: Finished, waiting: Callable[[], None]) -> None:
     """Have all chunks answered.
 
     Args:
@@ -136,15 +138,14 @@ def dispatch(chunks: Chunks, pool: Pool, engine: str, finished: Callable[[Sequen
             _isolate(lost, chunks, pool, engine, finished, waiting)
 
 
-def _note(chunks: Chunks, group: str, parts: list[Part], done: Done, finished: Callable[[Sequence[Part], Done], None]) -> None:
+def _note(chunks: Chunks, group: str, parts: list[Part], done: Done, finished: Finished) -> None:
     chunks.measured(group, sum(len(mine) for mine in done.lines), done.seconds)
     finished(parts, done)
 
 
 def _isolate(
-    lost: list[tuple[str, list[Part]]], chunks: Chunks, pool: Pool, engine: str, finished: Callable[[Sequence[Part], Done], None],
-    waiting: Callable[[], None],
-) -> None:  # fmt: skip
+    lost: list[tuple[str, list[Part]]], chunks: Chunks, pool: Pool, engine: str, finished: Finished, waiting: Callable[[], None]
+) -> None:
     """Compute suspects one after the other, halving a chunk that kills its process again until the case that does it is alone."""
     suspects = deque((group, parts, 0) for group, parts in lost)
     pool.restart()

@@ -30,7 +30,7 @@ class Question(NamedTuple):
         path: Its file.
         tables: What is in it, with what ``--set`` says.
         sweep: Dotted key -> values.
-        count: Number of cases.
+        cases: Number of cases.
         digest: Of everything that decides the records of all its cases.
         group: Problems of one group share compiled programs.
     """
@@ -40,7 +40,7 @@ class Question(NamedTuple):
     path: Path
     tables: Mapping[str, Any]
     sweep: Mapping[str, Values]
-    count: int
+    cases: int
     digest: str
     group: str
 
@@ -82,7 +82,7 @@ def _group(tables: Mapping[str, Any]) -> str:
     posture = posture if isinstance(posture, Mapping) else {}
     contacts = posture.get("contacts")
     kinds = [entry.get("type") for entry in contacts if isinstance(entry, Mapping)] if isinstance(contacts, list) else []
-    return repr((str(tables.get("model")), str(posture.get("robot")), str(posture.get("support")), kinds, str(tables.get("parameters", {}))))
+    return repr([tables.get("model"), posture.get("robot"), posture.get("support"), kinds, tables.get("parameters")])
 
 
 def _digest(tables: Mapping[str, Any], sweep: Mapping[str, Values], folder: Path, engine: str) -> str:
@@ -149,9 +149,9 @@ def check_count(asked: Sequence[Question], most: int, agreed: bool) -> int:
     Raises:
         InputError: They are too many and not agreed to.
     """
-    total = sum(question.count for question in asked)
+    total = sum(question.cases for question in asked)
     if total > most and not agreed:
-        largest = max(asked, key=lambda question: question.count)
+        largest = max(asked, key=lambda question: question.cases)
         message = (
             f"{largest.label}: its sweep alone makes {largest.count} of {total} cases, more than {most}; "
             "--yes is expected where that is meant"

@@ -142,7 +142,9 @@ def _uniform(values: list[Any]) -> list[Any]:
     kinds = {type(value) for value in values if value is not None}
     if kinds <= {int, float}:
         return [float(v) if v is not None and float in kinds else v for v in values]
-    return values if len(kinds) < 2 and kinds <= {str, bool} else [None if v is None else v if isinstance(v, str) else json.dumps(v) for v in values]
+    if len(kinds) < 2 and kinds <= {str, bool}:
+        return values
+    return [v if v is None or isinstance(v, str) else json.dumps(v) for v in values]
 
 
 def row_of(record: Mapping[str, Any], seconds: float | None) -> dict[str, Any]:

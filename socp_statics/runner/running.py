@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from socp_statics.cases.solve import first_engine, versions
-from socp_statics.exceptions import InputError, StaticsError
+from socp_statics.exceptions import InputError
 from socp_statics.runner.dispatch import Chunks, Pool, dispatch
 from socp_statics.runner.folder import Kept, ResultsFolder, opened
 from socp_statics.runner.plan import Question, case_order, check_count, questions
@@ -32,8 +32,7 @@ class Summary(NamedTuple):
         failed: Of all, those whose record says "failed".
         unmet: Of all, those that do not hold what their file expects.
         seconds: Time on the clock, from the first chunk to the last record [s].
-        solving: Time that the processes spent answering, all together [s].
-        working: Time that they spent on whole chunks, all together [s].
+        processor: Processor time of the processes, all together, without their start [s].
         notes: One sentence for each thing in the folder that was put right.
         first_failure: The first failed case, else the first that does not hold what its file expects, or "".
     """
@@ -44,8 +43,7 @@ class Summary(NamedTuple):
     failed: int
     unmet: int
     seconds: float
-    solving: float
-    working: float
+    processor: float
     notes: tuple[str, ...]
     first_failure: str
 
@@ -97,12 +95,12 @@ def run(
         missing = sum(work for _, work, _ in plan)
         about = {"engine": engine, "versions": versions(robot=True)}
         for question in asked:
-            gone = [number for number in current.get(question.name, {}) if number >= question.count]
+            gone = [number for number in current.get(question.name, {}) if number >= question.cases]
             for number in gone:
                 folder.manifest.stale.setdefault(current[question.name].pop(number).file, set()).add(number)
         # A digest stands for records that were all compared with it; until then those of a changed problem are looked at again.
         changed = {q.name for q, _, known in plan if any(current[q.name][n].failure != TRY_AGAIN for n in known)}
-        folder.manifest.plan({q.name: {"cases": q.count, "digest": None if q.name in changed else q.digest} for q in asked}, about)
+        folder.manifest.plan({q.name: {"cases": q.cases, "digest": None if q.name in changed else q.digest} for q in asked}, about)
         folder.manifest.write()
         state = _State(folder, current, missing, quiet)
         if not quiet:
@@ -110,7 +108,7 @@ def run(
                 print(note, file=sys.stderr, flush=True)
         if missing:
             _compute(plan, missing, engine, first, scheduler, count, state)
-        folder.manifest.plan({q.name: {"cases": q.count, "digest": q.digest} for q in asked}, about)
+        folder.manifest.plan({q.name: {"cases": q.cases, "digest": q.digest} for q in asked}, about)
         folder.manifest.write()
         holding = folder.current()
         bad = [(q, n, k.failure) for q in asked for n, k in holding.get(q.name, {}).items() if k.failure]
@@ -118,7 +116,7 @@ def run(
         first_bad = next((f"{q.label} case {n}" if q.sweep else q.label for q, n, _ in failures or bad), "")
         return Summary(
             total, total - state.computed, state.computed, len(failures), len(bad) - len(failures),
-            state.progress.elapsed if missing else 0.0, state.solving, state.working, tuple(folder.notes), first_bad,
+            state.progress.elapsed if missing else 0.0, state.processor, tuple(folder.notes), first_bad,
         )  # fmt: skip
 
 
@@ -142,16 +140,16 @@ def _plan(asked: Sequence[Question], folder: ResultsFolder, current: Mapping[str
     for question in asked:
         there = current.get(question.name, {})
         same = folder.manifest.plans.get(question.name, {}).get("digest") == question.digest
-        inside = {number: kept for number, kept in there.items() if number < question.count}
+        inside = {number: kept for number, kept in there.items() if number < question.cases}
         if rerun:
             known: dict[int, str] = {}
-            left = question.count
+            left = question.cases
         elif same:
             known = {number: kept.stamp for number, kept in inside.items() if kept.failure == TRY_AGAIN}
-            left = question.count - len(inside) + len(known)
+            left = question.cases - len(inside) + len(known)
         else:
             known = {number: kept.stamp for number, kept in inside.items()}
-            left = question.count
+            left = question.cases
         plan.append((question, left, known))
     return plan
 
@@ -159,7 +157,7 @@ def _plan(asked: Sequence[Question], folder: ResultsFolder, current: Mapping[str
 def _missing(plan: Sequence[Work], current: Mapping[str, Mapping[int, Kept]]) -> Iterator[tuple[Question, Iterator[int], dict[int, str]]]:
     for question, left, known in plan:
         there = current.get(question.name, {})
-        every = left == question.count
+        every = left == question.cases
         yield question, (n for n in case_order(question.sweep) if every or n not in there or n in known), known
 
 
@@ -169,11 +167,11 @@ class _State:
     def __init__(self, folder: ResultsFolder, current: dict[str, dict[int, Kept]], total: int, quiet: bool):
         self.folder, self.current = folder, current
         self.progress = Progress(total, quiet)
-        self.computed, self.solving, self.working = 0, 0.0, 0.0
+        self.computed, self.processor = 0, 0.0
 
     def finished(self, parts: Sequence[Part], done: Done) -> None:
         """Write what a chunk brought."""
-        self.solving, self.working = self.solving + done.solving, self.working + done.seconds
+        self.processor += done.processor
         for part, lines in zip(parts, done.lines, strict=True):
             new = [line for line in lines if line.text]
             if new:

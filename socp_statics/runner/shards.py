@@ -125,7 +125,7 @@ def failure_of(record: Mapping[str, Any]) -> str:
     return "" if all(entry["ok"] for entry in record["expect"]) else UNMET
 
 
-def case_number(record: dict[str, Any]) -> int:
+def case_number(record: Mapping[str, Any]) -> int:
     """Which case of its problem a record is of."""
     return int(record["sweep"]["case"]) if "sweep" in record else 0
 
