@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 from socp_statics.cases.record import Record
 from socp_statics.exceptions import InputError
 from socp_statics.runner.folder import check_results_folder
 from socp_statics.runner.manifest import Manifest
-from socp_statics.runner.shards import ENDING, FOLDER, TIMES_ENDING, case_number, read_lines
+from socp_statics.runner.shards import ENDING, FOLDER, TIMES_ENDING, as_record, case_number
 
+MOST_OPEN = 16
 COLUMNS = (
     "problem", "case", "model", "hash", "status", "verdict", "reason", "cone", "objective", "margin", "idle_margin", "com_margin", "mass",
     "com_x", "com_y", "com_z", "contacts", "region", "inner_area", "outer_area", "relative_gap", "solves", "balance", "engine", "handovers",
@@ -39,10 +41,13 @@ class Results(Sequence[Record]):
         self.folder = Path(folder)
         check_results_folder(self.folder, "results folder")
         self.manifest = _manifest(self.folder)
-        self._places: list[tuple[str, int]] = []
-        for file, shard in sorted(self.manifest.shards.items(), key=lambda item: (item[1].problem, item[0])):
+        places: list[tuple[str, int, str, int]] = []
+        for file, shard in self.manifest.shards.items():
             old = self.manifest.stale.get(file, set())
-            self._places += [(file, line) for line, (number, *_) in enumerate(shard.cases) if stale or number not in old]
+            places += [
+                (shard.problem, number, file, line) for line, (number, *_) in enumerate(shard.cases) if stale or number not in old
+            ]
+        self._places = [(file, line) for _, _, file, line in sorted(places)]
         self._offsets: dict[str, list[int]] = {}
 
     @property
@@ -57,41 +62,46 @@ class Results(Sequence[Record]):
         if isinstance(i, slice):
             return [self[k] for k in range(*i.indices(len(self)))]
         file, line = self._places[i]
-        path = self.folder / FOLDER / file
-        try:
-            with open(path, "rb") as shard:
-                shard.seek(self._starts(file)[line])
-                return Record(json.loads(shard.readline()))
-        except (OSError, ValueError, IndexError) as error:
-            raise _unreadable(path, error) from error
-
-    def _starts(self, file: str) -> list[int]:
-        """Where the lines of a shard start."""
-        if file not in self._offsets:
-            at, starts = 0, []
-            with open(self.folder / FOLDER / file, "rb") as lines:
-                for line in lines:
-                    starts.append(at)
-                    at += len(line)
-            self._offsets[file] = starts
-        return self._offsets[file]
+        with self._opened(file) as shard:
+            return self._record(file, line, shard)
 
     def __iter__(self) -> Iterator[Record]:
-        return (Record(entries) for entries, _ in self._read())
+        return (record for record, _ in self.timed())
 
-    def _read(self) -> Iterator[tuple[dict[str, Any], float | None]]:
-        """Entries and time of each record, shard after shard, without a copy."""
-        wanted: dict[str, set[int]] = {}
-        for file, line in self._places:
-            wanted.setdefault(file, set()).add(line)
-        for file, lines in wanted.items():
-            path, seconds = self.folder / FOLDER / file, self._seconds(file)
-            try:
-                for line, record in enumerate(read_lines(path)):
-                    if line in lines:
-                        yield record, seconds.get(case_number(record))
-            except (OSError, ValueError) as error:
-                raise _unreadable(path, error) from error
+    def timed(self) -> Iterator[tuple[Record, float | None]]:
+        """Each record with its time [s], None where that is not known."""
+        kept: dict[str, BinaryIO] = {}
+        seconds: dict[str, dict[int, float]] = {}
+        try:
+            for file, line in self._places:
+                if file not in kept:
+                    # Few files of one problem are read side by side: they were finished side by side.
+                    while len(kept) >= MOST_OPEN:
+                        kept.pop(next(iter(kept))).close()
+                    kept[file], seconds[file] = self._opened(file), self._seconds(file)
+                record = self._record(file, line, kept[file])
+                yield record, seconds[file].get(case_number(record))
+        finally:
+            for shard in kept.values():
+                shard.close()
+
+    def _opened(self, file: str) -> BinaryIO:
+        path = self.folder / FOLDER / file
+        try:
+            return open(path, "rb")
+        except OSError as error:
+            raise _unreadable(path, error) from error
+
+    def _record(self, file: str, line: int, shard: BinaryIO) -> Record:
+        """One line of an open shard."""
+        try:
+            if file not in self._offsets:
+                shard.seek(0)
+                self._offsets[file] = [0, *itertools.accumulate(map(len, shard))]
+            shard.seek(self._offsets[file][line])
+            return as_record(shard.readline())
+        except (OSError, ValueError, IndexError) as error:
+            raise _unreadable(self.folder / FOLDER / file, error) from error
 
     def _seconds(self, file: str) -> dict[int, float]:
         path = self.folder / FOLDER / (file.removesuffix(ENDING) + TIMES_ENDING)
@@ -103,7 +113,7 @@ class Results(Sequence[Record]):
 
     def rows(self) -> Iterator[dict[str, Any]]:
         """One row a record: the numbers and words of `table`, and the swept values."""
-        return (row_of(record, seconds) for record, seconds in self._read())
+        return (row_of(record, seconds) for record, seconds in self.timed())
 
     def table(self) -> dict[str, list[Any]]:
         """Columns, for ``pandas.DataFrame(...)`` and ``polars.DataFrame(...)``.

@@ -9,11 +9,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from socp_statics.cases.record import Record
 from socp_statics.cases.writing import finished_or_absent
 from socp_statics.exceptions import StaticsError
 
 FOLDER = "shards"
 UNMET = "expect"
+NEEDED = frozenset(("schema", "problem", "model", "hash", "case", "status", "verdict", "cone", "expect", "residuals"))
 ENDING, TIMES_ENDING, ASIDE_ENDING = ".jsonl", ".times.jsonl", ".corrupt"
 
 
@@ -101,7 +103,22 @@ def is_whole(folder: Path, shard: Shard) -> bool:
     return len(content) == shard.size and zlib.crc32(content) == shard.crc32
 
 
-def read_lines(path: Path) -> Iterator[dict[str, Any]]:
+def as_record(line: bytes) -> Record:
+    """The record of a line.
+
+    Args:
+        line: With its end.
+
+    Raises:
+        ValueError: It is not a whole record.
+    """
+    record = json.loads(line)
+    if not isinstance(record, dict) or not NEEDED <= set(record) or not line.endswith(b"\n"):
+        raise ValueError("a line is not a record")
+    return Record.of_plain(record)
+
+
+def read_lines(path: Path) -> Iterator[Record]:
     """The records of a shard.
 
     Args:
@@ -112,10 +129,7 @@ def read_lines(path: Path) -> Iterator[dict[str, Any]]:
     """
     with open(path, "rb") as lines:
         for line in lines:
-            record = json.loads(line)
-            if not isinstance(record, dict) or not {"schema", "problem", "hash", "status"} <= set(record) or not line.endswith(b"\n"):
-                raise ValueError("not a record")
-            yield record
+            yield as_record(line)
 
 
 def failure_of(record: Mapping[str, Any]) -> str:
