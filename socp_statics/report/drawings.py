@@ -40,7 +40,8 @@ def histogram(values: Sequence[float], unit: str, factor: float = 1.0) -> str:
         if n
     )
     zero = (0.0 - low) / (high - low) * WIDTH
-    line = f'<line x1="{zero:.1f}" y1="10" x2="{zero:.1f}" y2="{BASE}" stroke="{BLACK}" stroke-dasharray="3 3"/>' if 0 < zero < WIDTH else ""
+    line = f'<line x1="{zero:.1f}" y1="10" x2="{zero:.1f}" y2="{BASE}" stroke="{BLACK}" stroke-dasharray="3 3"/>'
+    line = line if 0 < zero < WIDTH else ""
     labels = "".join(
         f'<text x="{x}" y="{BASE + 18}" text-anchor="{anchor}">{escape(f"{value:.3g}")}</text>'
         for x, anchor, value in ((0, "start", edges[0]), (WIDTH / 2, "middle", 0.5 * (low + high)), (WIDTH, "end", edges[-1]))

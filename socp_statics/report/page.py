@@ -15,7 +15,8 @@ table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
 th, td { text-align: left; padding: .15rem .9rem .15rem 0; border-bottom: 1px solid #ddd; vertical-align: top; }
 th { font-weight: 600; } th, td { white-space: nowrap; } td.words { white-space: normal; overflow-wrap: anywhere; }
 svg text { font: 11px system-ui, sans-serif; fill: #1f1f1f; }
-figure { display: inline-block; margin: 0 1rem 1rem 0; vertical-align: top; } figcaption { font-size: .8rem; max-width: 120px; overflow-wrap: anywhere; }
+figure { display: inline-block; margin: 0 1rem 1rem 0; vertical-align: top; }
+figcaption { font-size: .8rem; max-width: 120px; overflow-wrap: anywhere; }
 figure.wide figcaption { max-width: 420px; }
 """
 
@@ -58,5 +59,5 @@ def _distributions(found: Gathered) -> str:
 
 def _thumbnails(found: Gathered) -> str:
     shown = [f"<figure>{thumbnail(one)}<figcaption>{escape(one.label)}</figcaption></figure>" for one in found.thumbnails]
-    words = "<p>Filled: where the centre of mass may be; dots: contact points; coloured dot: the centre of mass, green stable, red unstable.</p>"
+    words = "<p>Filled: where the centre of mass may be. Black: contact points. The centre of mass: green stable, red unstable.</p>"
     return f"<h2>Support regions ({len(shown)})</h2>\n{words}\n" + "\n".join(shown) if shown else ""

@@ -33,8 +33,11 @@ def tables(found: Gathered) -> list[Table]:
     """
     families = list(found.problems.items())
     counts = [(verdict, found.verdicts[verdict]) for verdict in VERDICTS if found.verdicts[verdict]]
-    failed = f"Failed ({found.failed})" if found.failed == len(found.failures) else f"Failed ({found.failed}, the first {len(found.failures)})"
-    problems = f"Problems ({len(families)})" if len(families) <= MOST_PROBLEMS else f"Problems (the first {MOST_PROBLEMS} of {len(families)})"
+    failed, problems = f"Failed ({found.failed})", f"Problems ({len(families)})"
+    if found.failed > len(found.failures):
+        failed = f"Failed (the first {len(found.failures)} of {found.failed})"
+    if len(families) > MOST_PROBLEMS:
+        problems = f"Problems (the first {MOST_PROBLEMS} of {len(families)})"
     every = [
         Table("Verdicts", ("verdict", "records"), counts),
         Table(failed, ("case", "reason"), found.failures),

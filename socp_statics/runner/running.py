@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from socp_statics.cases.solve import first_engine, versions
 from socp_statics.exceptions import InputError
-from socp_statics.runner.dispatch import Chunks, Pool, dispatch
+from socp_statics.runner.dispatch import Chunks, dispatch
 from socp_statics.runner.folder import Kept, ResultsFolder, opened
 from socp_statics.runner.plan import Question, case_order, check_count, questions
 from socp_statics.runner.pool import ClusterPool, LocalPool, checked_workers
@@ -89,7 +89,19 @@ def run(
         raise InputError("--workers cannot be chosen with --scheduler, the cluster has its own", name=str(workers), field="--workers")
     asked = questions(select(selectors), values or {}, first)
     total = check_count(asked, MOST_CASES, yes)
-    with opened(Path(out)) as folder:
+    cluster = None if scheduler is None else ClusterPool(scheduler)
+    try:
+        return _run(asked, Path(out), total, engine, first, cluster, count, rerun, quiet)
+    finally:
+        if cluster is not None:
+            cluster.close()
+
+
+def _run(
+    asked: list[Question], out: Path, total: int, engine: str, first: str, cluster: ClusterPool | None, workers: int, rerun: bool,
+    quiet: bool,
+) -> Summary:  # fmt: skip
+    with opened(out) as folder:
         current = folder.current()
         plan = _plan(asked, folder, current, rerun)
         missing = sum(work for _, work, _ in plan)
@@ -107,11 +119,11 @@ def run(
             for note in folder.notes:
                 print(note, file=sys.stderr, flush=True)
         if missing:
-            _compute(plan, missing, engine, first, scheduler, count, state)
+            _compute(plan, missing, engine, first, cluster, workers, state)
         folder.manifest.plan({q.name: {"cases": q.cases, "digest": q.digest} for q in asked}, about)
         folder.manifest.write()
         holding = folder.current()
-        bad = [(q, n, k.failure) for q in asked for n, k in holding.get(q.name, {}).items() if k.failure]
+        bad = [(q, n, k.failure) for q in asked for n, k in sorted(holding.get(q.name, {}).items()) if k.failure]
         failures = [entry for entry in bad if entry[2] != UNMET]
         first_bad = next((f"{q.label} case {n}" if q.sweep else q.label for q, n, _ in failures or bad), "")
         return Summary(
@@ -180,14 +192,12 @@ class _State:
             self.progress.advance(len(lines), sum(line.status == "failed" for line in new))
 
 
-def _compute(plan: Sequence[Work], missing: int, engine: str, first: str, scheduler: str | None, workers: int, state: _State) -> None:
-    pool: Pool
-    if scheduler is None:
-        if first == "kernel":
-            _compile(state.progress.quiet)
-        pool = LocalPool(min(workers, missing))
-    else:
-        pool = ClusterPool(scheduler)
+def _compute(
+    plan: Sequence[Work], missing: int, engine: str, first: str, cluster: ClusterPool | None, workers: int, state: _State
+) -> None:
+    if cluster is None and first == "kernel":
+        _compile(state.progress.quiet)
+    pool: LocalPool | ClusterPool = cluster or LocalPool(min(workers, missing))
     chunks = Chunks(_missing(plan, {name: dict(there) for name, there in state.current.items()}), missing, pool.workers)
 
     def waiting() -> None:
@@ -198,7 +208,8 @@ def _compute(plan: Sequence[Work], missing: int, engine: str, first: str, schedu
         with state.progress:
             dispatch(chunks, pool, engine, state.finished, waiting)
     finally:
-        pool.close()
+        if pool is not cluster:
+            pool.close()
 
 
 def _compile(quiet: bool) -> None:
