@@ -81,7 +81,7 @@ def test_a_run_leaves_the_records_that_solve_gives(done):
     # times are beside the records, in no record
     lines = [line for file in (place / "out/shards").glob("slopes.*.times.jsonl") for line in file.read_text().splitlines()]
     assert sorted(json.loads(line)["case"] for line in lines) == list(range(8))
-    assert "seconds" not in json.dumps(dict(records["slopes", 0]))
+    assert b"seconds" not in records["slopes", 0].line()
 
 
 def test_the_manifest_says_what_is_there(done):

@@ -76,6 +76,6 @@ def case_hash(stated: Mapping[str, Any], engine: str, robot_digest: str | None =
     Returns:
         64 hexadecimal digits.
     """
-    problem = {key: value for key, value in stated.items() if key not in NOT_HASHED}
-    text = canonical_json({"schema": SCHEMA, "engine": engine, "robot": robot_digest, "problem": problem})
+    problem = plain({key: value for key, value in stated.items() if key not in NOT_HASHED})
+    text = _CANONICAL.encode({"schema": SCHEMA, "engine": engine, "robot": robot_digest, "problem": problem})
     return hashlib.sha256(text.encode("ascii")).hexdigest()

@@ -162,7 +162,7 @@ def record_of(problem: Problem, stance: Stance, keys: dict[str, Any], engine: st
 
 
 def _record(problem: Problem, stance: Stance, engine: str, keys: dict[str, Any]) -> Record:
-    stated, posture = problem.stated(), stance.posture
+    stated, posture = plain(problem.stated()), stance.posture
     generated = {"contacts": [contact.statement() for contact in stance.contacts], "com": stance.com, "mass": stance.mass}
     if posture is not None:
         generated["angles"] = posture.as_record()["angles"]

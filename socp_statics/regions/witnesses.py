@@ -90,8 +90,8 @@ class TracedWitnesses:
 
     def motions(self) -> tuple[tuple[Array, Array], ...]:
         """(linear, angular) about the mean contact point for each outer edge [m/s, rad/s]."""
-        units = self.data.units
-        return tuple(units.twist_in_si(t) for t in np.asarray(self._motions))
+        linear, angular = self._motions[:, :3], self._motions[:, 3:] / self.data.units.length
+        return tuple(zip(linear, angular, strict=True))
 
     def joint_rates(self) -> Array:
         """No joint matters, shape (l, 0)."""

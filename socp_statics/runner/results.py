@@ -12,7 +12,7 @@ from socp_statics.cases.record import Record
 from socp_statics.exceptions import InputError
 from socp_statics.runner.folder import check_results_folder
 from socp_statics.runner.manifest import Manifest
-from socp_statics.runner.shards import ENDING, FOLDER, TIMES_ENDING, as_record, case_number
+from socp_statics.runner.shards import ENDING, FOLDER, TIMES_ENDING, case_number
 
 MOST_OPEN = 16
 COLUMNS = (
@@ -99,7 +99,7 @@ class Results(Sequence[Record]):
                 shard.seek(0)
                 self._offsets[file] = [0, *itertools.accumulate(map(len, shard))]
             shard.seek(self._offsets[file][line])
-            return as_record(shard.readline())
+            return Record.of_line(shard.readline())
         except (OSError, ValueError, IndexError) as error:
             raise _unreadable(self.folder / FOLDER / file, error) from error
 

@@ -15,7 +15,6 @@ from socp_statics.exceptions import StaticsError
 
 FOLDER = "shards"
 UNMET = "expect"
-NEEDED = frozenset(("schema", "problem", "model", "hash", "case", "status", "verdict", "cone", "expect", "residuals"))
 ENDING, TIMES_ENDING, ASIDE_ENDING = ".jsonl", ".times.jsonl", ".corrupt"
 
 
@@ -103,21 +102,6 @@ def is_whole(folder: Path, shard: Shard) -> bool:
     return len(content) == shard.size and zlib.crc32(content) == shard.crc32
 
 
-def as_record(line: bytes) -> Record:
-    """The record of a line.
-
-    Args:
-        line: With its end.
-
-    Raises:
-        ValueError: It is not a whole record.
-    """
-    record = json.loads(line)
-    if not isinstance(record, dict) or not NEEDED <= set(record) or not line.endswith(b"\n"):
-        raise ValueError("a line is not a record")
-    return Record.of_plain(record)
-
-
 def read_lines(path: Path) -> Iterator[Record]:
     """The records of a shard.
 
@@ -129,7 +113,9 @@ def read_lines(path: Path) -> Iterator[Record]:
     """
     with open(path, "rb") as lines:
         for line in lines:
-            yield as_record(line)
+            if not line.endswith(b"\n"):
+                raise ValueError("its last line is not complete")
+            yield Record.of_line(line)
 
 
 def failure_of(record: Mapping[str, Any]) -> str:

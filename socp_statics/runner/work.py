@@ -124,4 +124,4 @@ def dead_line(part: Part, engine: str) -> Line:
 def _line(number: int, answered: Answered) -> Line:
     record = answered.record
     stamp = stamp_of(record["hash"], record["case"])
-    return Line(number, record["hash"], stamp, record["status"], failure_of(record), answered.seconds, record.line().encode("ascii"))
+    return Line(number, record["hash"], stamp, record["status"], failure_of(record), answered.seconds, record.line())
