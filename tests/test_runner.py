@@ -13,9 +13,11 @@ import pytest
 
 import socp_statics as ss
 from socp_statics.cases.batch import one_answered, solve_many
+from socp_statics.cases.named_problems import problem_names
+from socp_statics.cases.problem import problem_from_tables
 from socp_statics.cases.sweep_cases import Cases
 from socp_statics.cli import main
-from socp_statics.runner import dispatch, run, running, shards
+from socp_statics.runner import dispatch, run, running, shards, stale_problems
 from socp_statics.runner.folder import opened
 from socp_statics.runner.manifest import HEADER
 from socp_statics.runner.plan import case_order
@@ -373,7 +375,7 @@ def test_a_batch_has_the_bytes_of_one_by_one(tables):
     sweep = {"posture.seed": range(30)}
     cases = Cases(tables, sweep, "population", "population", None)
     batch = solve_many([cases.case(number) for number in range(30)])
-    problem = ss.cases.problem.problem_from_tables(tables | {"sweep": {"posture.seed": {"from": 0, "to": 29}}}, "population")
+    problem = problem_from_tables(tables | {"sweep": {"posture.seed": {"from": 0, "to": 29}}}, "population")
     alone = [ss.solve(problem.case(number)).line() for number in range(30)]
     assert [one.record.line() for one in batch] == alone
     kinds = Counter(one.record["verdict"] for one in batch)
@@ -381,7 +383,7 @@ def test_a_batch_has_the_bytes_of_one_by_one(tables):
 
 
 def test_a_batch_of_everything_has_the_bytes_of_one_by_one():
-    names = [n for n in ss.cases.named_problems.problem_names() if n.startswith(("contacts/push", "contacts/slope", "degenerate/"))]
+    names = [n for n in problem_names() if n.startswith(("contacts/push", "contacts/slope", "degenerate/"))]
     problems = [case for name in names for case in ss.load_problem(name).cases()]
     problems = [p for p in problems if p.model in ("equilibrium", "support_region")]
     batch = solve_many(problems)
@@ -392,12 +394,12 @@ def test_a_batch_of_everything_has_the_bytes_of_one_by_one():
 def test_named_records_are_stale_when_their_problem_changes(tmp_path):
     path, out = write(tmp_path / "slopes.toml", [0.5]), tmp_path / "out"
     run([str(path)], out, workers=1)
-    assert ss.runner.stale_problems(out, [str(path)]) == {}
+    assert stale_problems(out, [str(path)]) == {}
     write(path, [0.6])
-    assert ss.runner.stale_problems(out, [str(path)]) == {"slopes": "the problem has changed since"}
+    assert stale_problems(out, [str(path)]) == {"slopes": "the problem has changed since"}
     write(path, [0.5, 0.6])
-    assert ss.runner.stale_problems(out, [str(path)]) == {"slopes": "2 of 4 records are missing"}
-    assert set(ss.runner.stale_problems(out, ["contacts/ladder"])) == {"contacts/ladder"}
+    assert stale_problems(out, [str(path)]) == {"slopes": "2 of 4 records are missing"}
+    assert set(stale_problems(out, ["contacts/ladder"])) == {"contacts/ladder"}
 
 
 def test_parts_of_a_chunk_are_small_to_send(tmp_path):

@@ -5,9 +5,11 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import sys
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
+from contextlib import contextmanager
 from multiprocessing.connection import Connection
 from typing import Any
 
@@ -37,26 +39,27 @@ class LocalPool:
         context = multiprocessing.get_context("forkserver")
         context.set_forkserver_preload([WORK])
         # The processes watch the other end: when it closes, because the run is over or this process has died, they end at once.
-        watched, self._lifeline = context.Pipe(duplex=False)
-        self._executor: Executor = ProcessPoolExecutor(self.workers, mp_context=context, initializer=_prepare, initargs=(watched,))
-        self._watched = watched
+        self._watched, self._lifeline = context.Pipe(duplex=False)
+        self._executor: Executor = ProcessPoolExecutor(
+            self.workers, mp_context=context, initializer=_prepare, initargs=(self._watched,)
+        )
+        # One that cannot even start is no fault of a case.
+        with _environment():
+            started = self._executor.submit(os.getpid)
+        try:
+            started.result()
+        except BrokenExecutor as error:
+            raise StaticsError("the processes of the pool die when they start; socp-statics solve may say why", name="--workers") from error
 
     def submit(self, parts: Sequence[Part], engine: str) -> Future[Done]:
         """Have a chunk answered."""
-        before = {name: os.environ.get(name) for name in ONE_THREAD}
-        os.environ.update(ONE_THREAD)
         try:
-            return self._executor.submit(self._work, parts, engine)
+            with _environment():
+                return self._executor.submit(self._work, parts, engine)
         except BrokenExecutor as error:
             failed: Future[Done] = Future()
             failed.set_exception(error)
             return failed
-        finally:
-            for name, value in before.items():
-                if value is None:
-                    del os.environ[name]
-                else:
-                    os.environ[name] = value
 
     def died(self, error: BaseException) -> bool:
         """Whether a chunk failed because a process did."""
@@ -72,6 +75,22 @@ class LocalPool:
         self._lifeline.close()
         self._executor.shutdown(wait=True, cancel_futures=True)
         self._watched.close()
+
+
+@contextmanager
+def _environment() -> Iterator[None]:
+    """What the server that processes are forked from is started with: one thread for linear algebra, and the path of this process."""
+    wanted = ONE_THREAD | {"PYTHONPATH": os.pathsep.join(os.path.abspath(place) for place in sys.path if place)}
+    before = {name: os.environ.get(name) for name in wanted}
+    os.environ.update(wanted)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
 
 
 def _prepare(watched: Connection) -> None:
