@@ -31,7 +31,7 @@ def plain(value: Any) -> Any:
     if kind in SIMPLE:
         return value
     if kind is dict:
-        return {key if type(key) is str else str(key): plain(entry) for key, entry in value.items()}
+        return _plain_dict(value)
     if kind is list or kind is tuple:
         return _plain_list(value)
     if isinstance(value, Mapping):
@@ -45,6 +45,16 @@ def plain(value: Any) -> Any:
         numbers = value.dtype.kind == "f" and value.ndim and value.size and math.isfinite(value.min()) and math.isfinite(value.max())
         return (value + 0.0).tolist() if numbers else plain(value.tolist())
     return [plain(entry) for entry in value]
+
+
+def _plain_dict(table: dict[Any, Any]) -> dict[str, Any]:
+    """Tables of numbers or words at once, such as torques by joint."""
+    kinds = set(map(type, table.values()))
+    if kinds == FLOATS and math.isfinite(sum(table.values())):
+        return {str(key): entry + 0.0 for key, entry in table.items()}
+    if kinds <= SIMPLE:
+        return {str(key): entry for key, entry in table.items()}
+    return {str(key): plain(entry) for key, entry in table.items()}
 
 
 def _plain_list(values: Sequence[Any]) -> list[Any]:

@@ -33,12 +33,12 @@ class PointForces:
 
     def entries(self) -> list[dict[str, Any]]:
         """Records of the forces, one a point: contact, point, force and, where it can be carried, moment."""
-        out = []
-        for i, name in enumerate(self.contact):
-            entry: dict[str, Any] = {"contact": name, "point": self.point_W[i].tolist(), "force": self.force_W[i].tolist()}
-            if self.moment_carrying[i]:
-                entry["moment"] = self.moment_W[i].tolist()
-            out.append(entry)
+        out: list[dict[str, Any]] = [
+            {"contact": name, "point": point, "force": force}
+            for name, point, force in zip(self.contact, self.point_W.tolist(), self.force_W.tolist(), strict=True)
+        ]
+        for i in np.flatnonzero(self.moment_carrying):
+            out[i]["moment"] = self.moment_W[i].tolist()
         return out
 
     def wrenches(self) -> list[dict[str, Any]]:
