@@ -24,11 +24,7 @@ class EquilibriumParameters(Parameters):
 
     safety: float | None = Field(None, ge=0, description="a finite length >= 0 [m]")
     simple_test: bool | None = Field(None, description="true or false")
-    prices: bool = Field(True, description="true or false: whether the record says what friction, limits and places are worth")
-
-    def stated(self) -> dict[str, Any]:
-        """The parameters with defaults filled in; prices are mentioned where they are left out."""
-        return {key: value for key, value in super().stated().items() if key != "prices" or not value}
+    prices: bool | None = Field(None, description="true or false: whether the record says what friction, limits and places are worth")
 
 
 def torque_keys(answer: EquilibriumAnswer | ForceAnswer | None, stance: Stance) -> dict[str, Any]:
