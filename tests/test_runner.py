@@ -409,3 +409,13 @@ def test_parts_of_a_chunk_are_small_to_send(tmp_path):
     (question,) = running.questions(running.select([str(path)]), {}, "kernel")
     part = Part(question.name, question.label, question.path, question.tables, question.sweep, range(1000), {})
     assert len(pickle.dumps(part)) < 4_000 and isinstance(part.path, Path)
+
+
+@pytest.mark.parametrize("name", ["comparison/families", "hoap2/half_squat_sweep", "contacts/slope_block_sweep", "g1/random_slopes"])
+def test_cases_read_alike_are_those_read_one_by_one(name):
+    problem = ss.load_problem(name)
+    cases = Cases(problem.raw, problem.sweep, problem.name, problem.label, problem.path)
+    for number in (*range(5), problem.case_count - 1, problem.case_count // 2):
+        found, expected = cases.case(number), problem.case(number)
+        assert found.stated() == expected.stated() and found.label == expected.label and found.raw == expected.raw
+        assert (found.number, found.swept) == (expected.number, expected.swept) == (number, found.swept)

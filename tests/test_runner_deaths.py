@@ -88,7 +88,7 @@ def test_a_run_that_somebody_kills_goes_on_where_it_was(place):
 
 
 def test_an_interrupt_keeps_what_is_finished(place):
-    problem, out = write_problem(place / "stopped.toml", last=60, seconds=0.05), place / "stopped_runs"
+    problem, out = write_problem(place / "stopped.toml", last=60, seconds=0.15), place / "stopped_runs"
     run = start(place, problem, "--out", out, "--workers", "2")
     wait_for(lambda: len(told(problem)) > 20)
     run.send_signal(signal.SIGINT)

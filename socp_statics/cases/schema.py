@@ -149,7 +149,7 @@ def swept_tables(raw: Mapping[str, Any], sweep: Mapping[str, Values], number: in
     return tables
 
 
-def read_posture(stated: Mapping[str, Any], folder: Path | None) -> tuple[Table, Posture | None] | None:
+def read_posture(stated: Mapping[str, Any], folder: Path | None) -> tuple[Table, Posture | None, Names] | None:
     """A posture by itself, for cases of one sweep that differ in nothing else.
 
     Args:
@@ -157,11 +157,12 @@ def read_posture(stated: Mapping[str, Any], folder: Path | None) -> tuple[Table,
         folder: Where relative paths of the file start.
 
     Returns:
-        The table with defaults filled in, and the posture of the robot where there is one; None where it has faults.
+        The table with defaults filled in, the posture of the robot where there is one, and the names that the rest of the file may
+        mention; None where it has faults.
     """
     faults: dict[str, str] = {}
-    posture, made, _ = _read_posture(stated, folder, faults)
-    return None if faults or posture is None else (posture, made)
+    posture, made, names = _read_posture(stated, folder, faults)
+    return None if faults or posture is None else (posture, made, names)
 
 
 def _read_posture(stated: Mapping[str, Any], folder: Path | None, faults: dict[str, str]) -> tuple[Table | None, Posture | None, Names]:

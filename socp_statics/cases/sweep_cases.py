@@ -9,7 +9,7 @@ from typing import Any
 
 from socp_statics.cases.dotted import Part, parse_key, resolve
 from socp_statics.cases.problem import Problem, problem_from_tables
-from socp_statics.cases.schema import read_posture, swept_tables
+from socp_statics.cases.schema import Names, read_posture, swept_tables
 from socp_statics.cases.sweep import Values, case_values
 
 # Keys of a posture that decide what else may be said in the file: the names of contacts, joints and limits.
@@ -29,7 +29,8 @@ class Cases:
 
     def __init__(self, raw: Mapping[str, Any], sweep: Mapping[str, Values], name: str, label: str, path: Path | None):
         self.raw, self.sweep, self.name, self.label, self.path = raw, sweep, name, label, path
-        self._first: Problem | None = None
+        # One case that was read as a whole for each set of names that its parameters and expectations may mention.
+        self._alike: dict[Names, Problem] = {}
         self._paths = _posture_paths(raw, sweep)
 
     def tables(self, number: int) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -53,17 +54,15 @@ class Cases:
         """
         if not self.sweep:
             return problem_from_tables(self.raw, self.name, label=self.label, path=self.path)
-        if self._first is not None and self._paths is not None:
-            found = self._like_the_first(self._first, self._paths, number)
-            if found is not None:
-                return found
+        return (None if self._paths is None else self._like_another(self._paths, number)) or self._as_a_whole(number)
+
+    def _as_a_whole(self, number: int) -> Problem:
         tables, values = self.tables(number)
         read = problem_from_tables(tables, self.name, label=f"{self.label} case {number}", path=self.path)
-        self._first = self._first or read
         return replace(read, number=number, swept=values)
 
-    def _like_the_first(self, first: Problem, paths: Sequence[tuple[Part, ...]], number: int) -> Problem | None:
-        """A case that differs from the one read before in numbers of its posture only; None where that has faults or other names.
+    def _like_another(self, paths: Sequence[tuple[Part, ...]], number: int) -> Problem | None:
+        """A case that differs from one read before in numbers of its posture only; None where it has faults.
 
         Such a case has the parameters and expectations of the other: they depend on the names of contacts and joints alone.
         """
@@ -74,13 +73,13 @@ class Cases:
         read = read_posture(stated, None if self.path is None else self.path.parent)
         if read is None:
             return None
-        posture, made = read
-        if made is not None and first.robot_posture is not None and made.support != first.robot_posture.support:
-            return None
+        posture, made, names = read
+        if names not in self._alike:
+            self._alike[names] = self._as_a_whole(number)
+            return self._alike[names]
         tables = {key: value for key, value in self.raw.items() if key != "sweep"} | {"posture": stated}
-        return replace(
-            first, label=f"{self.label} case {number}", posture=posture, robot_posture=made, raw=tables, number=number, swept=values
-        )
+        own = {"label": f"{self.label} case {number}", "posture": posture, "robot_posture": made, "raw": tables}
+        return replace(self._alike[names], **own, number=number, swept=values)  # type: ignore[arg-type]
 
 
 def _posture_paths(raw: Mapping[str, Any], sweep: Mapping[str, Values]) -> list[tuple[Part, ...]] | None:
