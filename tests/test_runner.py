@@ -12,10 +12,6 @@ from pathlib import Path
 import pytest
 
 import socp_statics as ss
-from socp_statics.cases.batch import one_answered, solve_many
-from socp_statics.cases.named_problems import problem_names
-from socp_statics.cases.problem import problem_from_tables
-from socp_statics.cases.sweep_cases import Cases
 from socp_statics.cli import main
 from socp_statics.runner import dispatch, run, running, shards, stale_problems
 from socp_statics.runner.folder import opened
@@ -359,38 +355,6 @@ def test_chunks_grow_to_what_measured_times_say_and_memory_does_not(tmp_path):
     assert peak / total < 2_000  # bytes a case: 100000 cases stay below 200 MB beside the 300 MB of the libraries
 
 
-ROBOT = {"generator": "random_joint_angles", "robot": "hoap2", "friction": 0.6}
-MANY = {
-    "regions": {"model": "support_region", "posture": ROBOT, "parameters": {"prices": False}},
-    "priced regions": {"model": "support_region", "posture": ROBOT, "parameters": {"safety": 0.01}},
-    "pyramids": {"model": "support_region", "posture": ROBOT, "parameters": {"cone": "inscribed", "sides": 5}},
-    "verdicts": {"model": "equilibrium", "posture": ROBOT | {"spread": 0.5}, "parameters": {"cone": "circumscribed"}},
-    "torque limits": {"model": "support_region", "posture": ROBOT | {"torque_limits": {"default": 4.0}},
-                      "parameters": {"torque_limits": True, "prices": False}},
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("tables", MANY.values(), ids=MANY)
-def test_a_batch_has_the_bytes_of_one_by_one(tables):
-    sweep = {"posture.seed": range(30)}
-    cases = Cases(tables, sweep, "population", "population", None)
-    batch = solve_many([cases.case(number) for number in range(30)])
-    problem = problem_from_tables(tables | {"sweep": {"posture.seed": {"from": 0, "to": 29}}}, "population")
-    alone = [ss.solve(problem.case(number)).line() for number in range(30)]
-    assert [one.record.line() for one in batch] == alone
-    kinds = Counter(one.record["verdict"] for one in batch)
-    assert kinds["stable"] and kinds["unstable"]
-
-
-def test_a_batch_of_everything_has_the_bytes_of_one_by_one():
-    names = [n for n in problem_names() if n.startswith(("contacts/push", "contacts/slope", "degenerate/"))]
-    problems = [case for name in names for case in ss.load_problem(name).cases()]
-    problems = [p for p in problems if p.model in ("equilibrium", "support_region")]
-    batch = solve_many(problems)
-    assert [one.record.line() for one in batch] == [one_answered(problem, "auto").record.line() for problem in problems]
-    assert {one.record["verdict"] for one in batch} == {"stable", "unstable", "undecided"}
-
-
 def test_named_records_are_stale_when_their_problem_changes(tmp_path):
     path, out = write(tmp_path / "slopes.toml", [0.5]), tmp_path / "out"
     run([str(path)], out, workers=1)
@@ -409,13 +373,3 @@ def test_parts_of_a_chunk_are_small_to_send(tmp_path):
     (question,) = running.questions(running.select([str(path)]), {}, "kernel")
     part = Part(question.name, question.label, question.path, question.tables, question.sweep, range(1000), {})
     assert len(pickle.dumps(part)) < 4_000 and isinstance(part.path, Path)
-
-
-@pytest.mark.parametrize("name", ["comparison/families", "hoap2/half_squat_sweep", "contacts/slope_block_sweep", "g1/random_slopes"])
-def test_cases_read_alike_are_those_read_one_by_one(name):
-    problem = ss.load_problem(name)
-    cases = Cases(problem.raw, problem.sweep, problem.name, problem.label, problem.path)
-    for number in (*range(5), problem.case_count - 1, problem.case_count // 2):
-        found, expected = cases.case(number), problem.case(number)
-        assert found.stated() == expected.stated() and found.label == expected.label and found.raw == expected.raw
-        assert (found.number, found.swept) == (expected.number, expected.swept) == (number, found.swept)

@@ -144,8 +144,9 @@ def stamp_of(hash_: str, stated: Mapping[str, Any]) -> str:
         hash_: Of the case.
         stated: Its ``case``.
     """
-    rest = canonical_json({key: stated.get(key) for key in NOT_HASHED})
-    return hashlib.sha256(f"{hash_} {rest}".encode("ascii")).hexdigest()[:16]
+    texts, expect = [str(stated.get(key, "")) for key in NOT_HASHED[:2]], stated.get("expect")
+    rest = canonical_json(expect) if expect else "{}"
+    return hashlib.sha256(repr([hash_, *texts, rest]).encode()).hexdigest()[:16]
 
 
 def problem_stamp(problem: Problem, engine: str | Sequence[str]) -> str:

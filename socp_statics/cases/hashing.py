@@ -86,6 +86,17 @@ def case_hash(stated: Mapping[str, Any], engine: str, robot_digest: str | None =
     Returns:
         64 hexadecimal digits.
     """
-    problem = plain({key: value for key, value in stated.items() if key not in NOT_HASHED})
+    return hash_of_plain(plain(stated), engine, robot_digest)
+
+
+def hash_of_plain(stated: Mapping[str, Any], engine: str, robot_digest: str | None) -> str:
+    """`case_hash` of a statement that `plain` has made.
+
+    Args:
+        stated: The stated problem as plain values.
+        engine: The engine chosen before any handover.
+        robot_digest: Digest of the robot's description, None without a robot.
+    """
+    problem = {key: value for key, value in stated.items() if key not in NOT_HASHED}
     text = _CANONICAL.encode({"schema": SCHEMA, "engine": engine, "robot": robot_digest, "problem": problem})
     return hashlib.sha256(text.encode("ascii")).hexdigest()

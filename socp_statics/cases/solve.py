@@ -12,7 +12,7 @@ import socp_statics
 from socp_statics.cases.answers import ANSWERS
 from socp_statics.cases.answers.equilibrium import torque_keys
 from socp_statics.cases.expect import evaluate
-from socp_statics.cases.hashing import SCHEMA, case_hash, plain
+from socp_statics.cases.hashing import SCHEMA, case_hash, hash_of_plain, plain
 from socp_statics.cases.problem import Problem
 from socp_statics.cases.record import Record
 from socp_statics.contacts import Stance
@@ -172,15 +172,15 @@ def _record(problem: Problem, stance: Stance, engine: str, keys: dict[str, Any])
         "schema": SCHEMA,
         "problem": problem.name,
         "model": problem.model,
-        "hash": case_hash(stated, engine, None if posture is None else posture.robot.digest),
-        "case": stated | {"generated": generated},
+        "hash": hash_of_plain(stated, engine, None if posture is None else posture.robot.digest),
+        "case": stated | {"generated": plain(generated)},
         "com_margin": None,
         **keys,
         **({} if problem.number is None else {"sweep": {"case": problem.number, "values": problem.swept}}),
         "versions": versions(posture is not None),
     }
     order = [*(key for key in KEY_ORDER if key in entries or key == "expect"), *(key for key in entries if key not in KEY_ORDER)]
-    record = {key: plain(entries[key]) if key != "expect" else [] for key in order}
+    record = {key: [] if key == "expect" else entries[key] if key == "case" else plain(entries[key]) for key in order}
     if problem.expect:
         # What is expected may be anything but an expectation.
         found = {key: value for key, value in record.items() if key != "expect"}
