@@ -185,12 +185,14 @@ def test_a_damaged_folder_is_put_right(tmp_path):
     assert f"{files[0]} is not what was written: set aside as {files[0].name}.corrupt" in summary.notes[0]
     assert files[0].with_name(files[0].name + ".corrupt").exists()
     assert [record.line() for record in ss.load_results(out)] == before
-    # the process died before it could note its last shard, in the middle of a line
+    # the process died before it could note its last shard, in the middle of a line, and with a file half written
+    draft = files[0].with_name(".123.slopes.9999.times.jsonl")
+    draft.write_text("{")
     manifest = out / "manifest.jsonl"
     whole = manifest.read_bytes().splitlines(keepends=True)
     manifest.write_bytes(b"".join(whole[:-1]) + whole[-1][:20])
     assert run([str(path)], out, workers=1).computed == 0
-    assert [record.line() for record in ss.load_results(out)] == before
+    assert [record.line() for record in ss.load_results(out)] == before and not draft.exists()
     # the manifest itself is damaged: the records are read from the shards; no digest is left, so they are compared one by one
     manifest.write_bytes(b"{nonsense\n")
     with pytest.raises(ss.InputError, match="this manifest is damaged"):

@@ -136,10 +136,11 @@ class ResultsFolder:
         root = self.path / FOLDER
         for path in sorted(root.rglob(f"*{ENDING}")) if root.is_dir() else ():
             file = path.relative_to(root).as_posix()
-            if file.endswith(TIMES_ENDING) or file in self.manifest.shards:
-                continue
             if path.name.startswith("."):
+                # what a process that was killed had not finished writing
                 path.unlink()
+                continue
+            if file.endswith(TIMES_ENDING) or file in self.manifest.shards:
                 continue
             try:
                 shard = _shard_of(path, file)

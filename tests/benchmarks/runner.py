@@ -22,7 +22,7 @@ from socp_statics import run
 from socp_statics.cases.answers import ANSWERS
 from socp_statics.cases.solve import record_of
 from socp_statics.cases.sweep_cases import Cases
-from socp_statics.runner.work import TOGETHER
+from socp_statics.runner.work import TOGETHER, Part, answer_chunk
 
 POSTURE = {"generator": "random_joint_angles", "robot": "hoap2", "friction": 0.6}
 LIMITS = {"default": float("inf"), "?LEG_JOINT*": 4.0}
@@ -77,8 +77,14 @@ def breakdown(tables: dict, count: int) -> dict[str, float]:
     return {step: 1e3 * seconds / (rounds * TOGETHER) for step, seconds in spent.items()}
 
 
+def chunk(tables: dict, count: int) -> float:
+    """Processor time of a whole chunk in this process, milliseconds a case: the steps of `breakdown` and what a worker adds to them."""
+    part = Part("population", "population", Path("population.toml"), tables, {"posture.seed": range(10**6)}, range(count), {})
+    return 1e3 * answer_chunk([part], "auto").processor / count
+
+
 def end_to_end(limited: bool, count: int, workers: int) -> float:
-    """Run the cases and print what it took; returns the processor time of all processes together, milliseconds a case."""
+    """Run the cases and print what it took; returns the processor time of this process, milliseconds a case."""
     place = Path(tempfile.mkdtemp(prefix="runner_"))
     try:
         limits = "torque_limits = { default = inf, '?LEG_JOINT*' = 4.0 }" if limited else ""
@@ -98,7 +104,7 @@ def end_to_end(limited: bool, count: int, workers: int) -> float:
           f" {workers / each:.0f} a second with {workers} processors to itself")  # fmt: skip
     print(f"  {size / count / 1e3:.1f} kB a case on disk; largest memory of this process"
           f" {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3:.0f} MB")  # fmt: skip
-    return 1e3 * each
+    return 1e3 * parent / count
 
 
 if __name__ == "__main__":
@@ -111,11 +117,13 @@ if __name__ == "__main__":
         ("torque limits of 4 N m at the legs", LIMITED, True, max(asked.cases // 5, 1)),
     ):
         print(f"{count} random HOAP-2 postures, {title}, {asked.workers} workers")
-        each = end_to_end(limited, count, asked.workers)
-        steps = breakdown(tables, min(count, 1000))
+        parent = end_to_end(limited, count, asked.workers)
+        # Side by side in one process: two that work at the same time take from each other what memory and caches they share.
+        steps, worker = breakdown(tables, min(count, 1000)), chunk(tables, min(count, 1000))
         for step, spent in steps.items():
             print(f"  {step:<28}{spent:>8.3f} ms")
         solving = steps["statement read and posed"] + steps["verdict and region"]
         print(f"  {'solving: the first two':<28}{solving:>8.3f} ms")
-        print(f"  runner and records over solving {100 * (each / solving - 1):.0f} %, of that records"
-              f" {100 * (steps['record'] + steps['line of JSON']) / solving:.0f} %")  # fmt: skip
+        records = steps["record"] + steps["line of JSON"]
+        over = 100 * ((worker + parent) / solving - 1)
+        print(f"  runner and records over solving {over:.0f} %, of that records {100 * records / solving:.0f} %")
