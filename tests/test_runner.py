@@ -315,6 +315,23 @@ def test_progress_is_plain_lines_away_from_a_terminal(capsys, monkeypatch):
         assert said == "" if quiet else said.startswith("4 of 10 cases, ") and "1 failed" in said and said.endswith(" left\n")
 
 
+def test_progress_is_a_bar_on_a_terminal(monkeypatch):
+    import io
+
+    class Terminal(io.StringIO):
+        def isatty(self):
+            return True
+
+    terminal = Terminal()
+    monkeypatch.setattr("sys.stderr", terminal)
+    monkeypatch.setenv("TERM", "xterm")
+    with Progress(10, False) as progress:
+        progress.advance(4, 1)
+        progress._bar.refresh()
+    for word in ("4/10", "a second", "1 failed", "-:--:--"):
+        assert word in terminal.getvalue(), word
+
+
 class Immediate:
     """A pool whose chunks are done at once, and whose cases take as long as it is told."""
 
