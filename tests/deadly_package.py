@@ -1,6 +1,7 @@
 """A plugin whose model kills, stalls or breaks the process that answers it, and runs of the command line that know it."""
 
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -89,8 +90,9 @@ def start(place, *arguments):
     """The command line in a process of its own; the engine is Clarabel, which is not asked anything."""
     path = os.pathsep.join((str(ROOT), str(place), os.environ.get("PYTHONPATH", "")))
     command = [sys.executable, "-m", "socp_statics", "run", *map(str, arguments), "--engine", "clarabel"]
+    # Where the tests run in the background, interrupts are ignored, and processes inherit that.
     return subprocess.Popen(command, cwd=place, env={**os.environ, "PYTHONPATH": path}, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                            text=True)  # fmt: skip
+                            text=True, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))  # fmt: skip
 
 
 def finish(process):
