@@ -28,7 +28,8 @@ from socp_statics.runner.shards import (
 )
 
 LOCK = ".lock"
-OWN = (NAME, FOLDER, LOCK, "report.html", "summary.md")
+# What else the toolkit keeps in a folder of results: its report, and what `compare` answered about populations.
+OWN = (NAME, FOLDER, LOCK, "report.html", "summary.md", "comparison")
 
 
 class Kept(NamedTuple):
