@@ -159,8 +159,6 @@ class SupportRegion:
             "points": [{"contact": contact, "point": point} for contact, point in acting],
             "inner_forces": np.array([_components(f) for f in forces]),
             "outer_multipliers": np.array(multipliers).reshape(-1, 6),
-            "inner_forces": np.array([_components(f) for f in forces]),
-            "outer_multipliers": np.array(multipliers).reshape(-1, 6),
             **({"outer_joint_rates": list(self.outer_joint_rates)} if self.frozen else {}),
         }
 
