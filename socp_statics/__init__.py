@@ -78,6 +78,8 @@ _HOMES = {
     "compare": "comparison",
     "compare_records": "comparison",
     "prove": "cases.proving",
+    "run": "runner",
+    "load_results": "runner",
     "compare_regions": "comparison",
     "draw": "figures",
     "draw_robot": "figures",
@@ -138,6 +140,8 @@ if TYPE_CHECKING:
     from socp_statics.robots import ContactFrame as ContactFrame
     from socp_statics.robots import Robot as Robot
     from socp_statics.robots import load_robot as load_robot
+    from socp_statics.runner import load_results as load_results
+    from socp_statics.runner import run as run
     from socp_statics.stability import check_equilibrium as check_equilibrium
     from socp_statics.stability import check_equilibrium_many as check_equilibrium_many
     from socp_statics.stability import check_strong_stability as check_strong_stability

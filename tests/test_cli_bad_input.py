@@ -238,7 +238,7 @@ def test_what_is_no_problem_is_refused(name, words, capsys, tmp_path):
     refused(capsys, ["solve", name], words, tmp_path)
 
 
-@pytest.mark.parametrize("arguments", [["lst"], ["list", "problem"], ["show"], ["run"], ["--vers"]], ids=" ".join)
+@pytest.mark.parametrize("arguments", [["lst"], ["list", "problem"], ["show"], ["solve"], ["--vers"]], ids=" ".join)
 def test_a_wrong_command_line_is_refused(arguments, capsys, tmp_path):
     refused(capsys, arguments, [], tmp_path)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -37,6 +37,8 @@ class Problem:
         path: The file, None when the problem was not read from one.
         robot_posture: The posture of the robot, None where there is no robot; of the first case when there is a sweep.
         raw: The tables as they were written.
+        number: Which case of a sweep this is, None where it is none.
+        swept: Dotted key -> value of that case.
     """
 
     name: str
@@ -51,6 +53,8 @@ class Problem:
     path: Path | None
     robot_posture: Posture | None
     raw: Mapping[str, Any] = field(repr=False)
+    number: int | None = None
+    swept: Mapping[str, Any] = field(default_factory=dict, repr=False)
 
     def stance(self) -> Stance:
         """Contacts, centre of mass, mass and loads; with a robot also its posture and, if they are in force, its torque limits.
@@ -94,7 +98,8 @@ class Problem:
         if not values:
             return self
         label = f"{self.label} case {number}"
-        return problem_from_tables(swept_tables(self.raw, self.sweep, number), self.name, label=label, path=self.path)
+        read = problem_from_tables(swept_tables(self.raw, self.sweep, number), self.name, label=label, path=self.path)
+        return replace(read, number=number, swept=values)
 
     def cases(self) -> Iterator[Problem]:
         """All cases of the sweep in order; the problem itself without one."""
@@ -137,7 +142,10 @@ class Problem:
         """
         if self.sweep:
             last = self.case_count - 1
-            message = f"{self.label}: [sweep] makes {last + 1} cases, choose one with --case 0 to {last} (the last key changes fastest)"
+            message = (
+                f"{self.label}: [sweep] makes {last + 1} cases, choose one with --case 0 to {last} (the last key changes fastest), "
+                "or run them all with socp-statics run"
+            )
             raise InputError(message, name=self.label, field="--case")
 
 

@@ -88,6 +88,28 @@ def _collect(faults: dict[str, str], path: str, error: InputError) -> None:
     faults.setdefault(path, f"{path}: {str(error).removeprefix('sweep: ').removeprefix('expect: ')}")
 
 
+def read_sweep(raw: Mapping[str, Any], label: str) -> dict[str, Values]:
+    """The sweep of a problem, nothing else of which is looked at.
+
+    Args:
+        raw: The file as TOML reads it.
+        label: The file or problem, for the error sentence.
+
+    Returns:
+        Dotted key -> values; empty without a sweep.
+
+    Raises:
+        InputError: One sentence with every fault.
+    """
+    faults: dict[str, str] = {}
+    if not isinstance(raw.get("sweep", {}), Mapping):
+        faults["sweep"] = "sweep must be a table [sweep]"
+    sweep = _read_sweep(raw, faults)
+    if faults:
+        raise InputError(f"{label}: {'; '.join(faults.values())}", name=label, field=next(iter(faults)))
+    return sweep
+
+
 def _read_sweep(raw: Mapping[str, Any], faults: dict[str, str]) -> dict[str, Values]:
     stated = raw.get("sweep", {})
     sweep: dict[str, Values] = {}
@@ -125,6 +147,22 @@ def swept_tables(raw: Mapping[str, Any], sweep: Mapping[str, Values], number: in
     for key, value in case_values(sweep, number).items():
         tables = with_value(tables, parse_key(key, "sweep"), value, "sweep")
     return tables
+
+
+def read_posture(stated: Mapping[str, Any], folder: Path | None) -> tuple[Table, Posture | None, Names] | None:
+    """A posture by itself, for cases of one sweep that differ in nothing else.
+
+    Args:
+        stated: The table ``[posture]`` as TOML reads it.
+        folder: Where relative paths of the file start.
+
+    Returns:
+        The table with defaults filled in, the posture of the robot where there is one, and the names that the rest of the file may
+        mention; None where it has faults.
+    """
+    faults: dict[str, str] = {}
+    posture, made, names = _read_posture(stated, folder, faults)
+    return None if faults or posture is None else (posture, made, names)
 
 
 def _read_posture(stated: Mapping[str, Any], folder: Path | None, faults: dict[str, str]) -> tuple[Table | None, Posture | None, Names]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import platform
 from collections.abc import Mapping, Sequence
+from functools import cache
 from importlib import metadata
 from typing import Any
 
@@ -11,7 +12,7 @@ import socp_statics
 from socp_statics.cases.answers import ANSWERS
 from socp_statics.cases.answers.equilibrium import torque_keys
 from socp_statics.cases.expect import evaluate
-from socp_statics.cases.hashing import SCHEMA, case_hash, plain
+from socp_statics.cases.hashing import SCHEMA, case_hash, hash_of_plain, plain
 from socp_statics.cases.problem import Problem
 from socp_statics.cases.record import Record
 from socp_statics.contacts import Stance
@@ -21,7 +22,7 @@ from socp_statics.registry import nearest
 DISTRIBUTIONS = ("numpy", "scipy", "cvxpy-base", "clarabel", "numba")
 KINEMATICS = "pin"
 KEY_ORDER = (
-    "schema", "problem", "model", "hash", "case", "status", "verdict", "reason", "strong", "strong_by", "cone", "objective", "margin",
+    "schema", "problem", "model", "hash", "sweep", "case", "status", "verdict", "reason", "strong", "strong_by", "cone", "objective", "margin",
     "idle", "idle_margin", "com_margin", "wrenches", "forces", "torques", "torque_limits", "region", "following", "capability",
     "distribution", "window", "certificate", "strong_witness", "prices", "safety", "simple_test", "optimized", "residuals", "expect",
     "engine", "handovers", "versions",
@@ -48,7 +49,7 @@ def solve(problem: Problem, engine: str | Sequence[str] = "auto") -> Record:
         keys = ANSWERS.load(problem.model).compute(problem, stance, engine)
     except InputError as error:
         raise InputError(f"{problem.label}: {_key_of(error, problem)}{error}", name=problem.label, field=error.field) from error
-    return _record(problem, keys.pop("stance", stance), chosen, keys)
+    return record_of(problem, stance, keys, chosen)
 
 
 def shown_stance(problem: Problem, record: Mapping[str, Any]) -> Stance:
@@ -126,6 +127,7 @@ def unmet(record: Record) -> list[str]:
     ]
 
 
+@cache
 def versions(robot: bool = False) -> dict[str, str]:
     """Versions of the toolkit, of Python and of the libraries that decide the numbers.
 
@@ -137,8 +139,31 @@ def versions(robot: bool = False) -> dict[str, str]:
     return own | {name.removesuffix("-base"): metadata.version(name) for name in names}
 
 
+def problem_hash(problem: Problem, engine: str) -> str:
+    """The hash of a problem: of its statement, the engine, the schema and its robot.
+
+    Args:
+        problem: A single problem.
+        engine: The engine that is asked first.
+    """
+    posture = problem.robot_posture
+    return case_hash(problem.stated(), engine, None if posture is None else posture.robot.digest)
+
+
+def record_of(problem: Problem, stance: Stance, keys: dict[str, Any], engine: str) -> Record:
+    """The record of an answer.
+
+    Args:
+        problem: A single problem.
+        stance: Its stance.
+        keys: What its answer computed; changed.
+        engine: The engine that was asked first.
+    """
+    return _record(problem, keys.pop("stance", stance), engine, keys)
+
+
 def _record(problem: Problem, stance: Stance, engine: str, keys: dict[str, Any]) -> Record:
-    stated, posture = problem.stated(), stance.posture
+    stated, posture = plain(problem.stated()), stance.posture
     generated = {"contacts": [contact.statement() for contact in stance.contacts], "com": stance.com, "mass": stance.mass}
     if posture is not None:
         generated["angles"] = posture.as_record()["angles"]
@@ -148,15 +173,20 @@ def _record(problem: Problem, stance: Stance, engine: str, keys: dict[str, Any])
         "schema": SCHEMA,
         "problem": problem.name,
         "model": problem.model,
-        "hash": case_hash(stated, engine, None if posture is None else posture.robot.digest),
-        "case": stated | {"generated": generated},
+        "hash": hash_of_plain(stated, engine, None if posture is None else posture.robot.digest),
+        "case": stated | {"generated": plain(generated)},
         "com_margin": None,
         **keys,
+        **({} if problem.number is None else {"sweep": {"case": problem.number, "values": problem.swept}}),
         "versions": versions(posture is not None),
     }
-    entries["expect"] = evaluate(problem.expect, plain(entries))
-    order = [*(key for key in KEY_ORDER if key in entries), *(key for key in entries if key not in KEY_ORDER)]
-    return Record({key: entries[key] for key in order})
+    order = [*(key for key in KEY_ORDER if key in entries or key == "expect"), *(key for key in entries if key not in KEY_ORDER)]
+    record = {key: [] if key == "expect" else entries[key] if key == "case" else plain(entries[key]) for key in order}
+    if problem.expect:
+        # What is expected may be anything but an expectation.
+        found = {key: value for key, value in record.items() if key != "expect"}
+        record["expect"] = plain(evaluate(problem.expect, found))
+    return Record.of_plain(record)
 
 
 def _key_of(error: InputError, problem: Problem) -> str:

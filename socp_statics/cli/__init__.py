@@ -11,7 +11,7 @@ import sys
 
 import typer
 
-from socp_statics.cli import comparing, figuring, listing, proving, showing, solving, viewing  # noqa: F401
+from socp_statics.cli import comparing, figuring, listing, proving, reporting, running, showing, solving, viewing  # noqa: F401
 from socp_statics.cli.app import app
 from socp_statics.exceptions import InputError, StaticsError
 

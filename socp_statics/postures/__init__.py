@@ -22,6 +22,7 @@ for _name, _line in (
     ("ladder", "feet on rungs, hands closed round others (hands, inclination, rung_gap, foot_rungs, hand_height, grip, com)"),
     ("hold_object", "an object between the hands (hands, mass, width, forward, height, grip_friction, squeeze, spread, com)"),
     ("quadruped_stance", "on three or four point feet, on slopes or steps (slope, steps, stretch, lift, com)"),
+    ("random_joint_angles", "seeded random joint angles around the neutral ones, any robot (seed, spread)"),
     ("random_reachable", "seeded random slopes, a hand on a wall (seed, slope, hand)"),
     ("keyframes", "between contact states in turn (states, progress)"),
 ):

@@ -75,7 +75,7 @@ class Posture:
 
     def as_record(self) -> dict[str, Any]:
         """Joint angles by name and the placement of the base: what records say of a configuration."""
-        angles = dict(zip(self.robot.joints, self.angles, strict=True))
+        angles = dict(zip(self.robot.joints, self.angles.tolist(), strict=True))
         return {"angles": angles, "base": {"position": self.p_WB, "rotation": self.R_WB}}
 
     def link_placement(self, link: str) -> tuple[Array, Array]:

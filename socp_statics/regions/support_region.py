@@ -143,22 +143,22 @@ class SupportRegion:
         return polygons.distance(self.inner, points)
 
     def as_record(self) -> dict[str, Any]:
-        """The record's entry."""
+        """The record's entry; arrays where it has lists of numbers."""
         forces, multipliers = self.inner_forces, self.outer_multipliers
-        acting = list(zip(forces[0].contact, forces[0].point_W.tolist(), strict=True)) if forces else []
+        acting = list(zip(forces[0].contact, forces[0].point_W, strict=True)) if forces else []
         notes = ({"posture": "frozen"} if self.frozen else {}) | ({"widened": self.widened} if self.widened else {})
         return notes | {
             "kind": self.kind,
-            "inner": self.inner.tolist(),
-            "outer": self.outer.tolist(),
+            "inner": self.inner,
+            "outer": self.outer,
             "inner_area": self.inner_area,
             "outer_area": self.outer_area,
             "relative_gap": self.relative_gap,
-            "rays": self.rays.tolist(),
+            "rays": self.rays,
             "solves": self.solves,
             "points": [{"contact": contact, "point": point} for contact, point in acting],
-            "inner_forces": [_components(f).tolist() for f in forces],
-            "outer_multipliers": [[*linear.tolist(), *angular.tolist()] for linear, angular in multipliers],
+            "inner_forces": np.array([_components(f) for f in forces]),
+            "outer_multipliers": np.array(multipliers).reshape(-1, 6),
             **({"outer_joint_rates": list(self.outer_joint_rates)} if self.frozen else {}),
         }
 

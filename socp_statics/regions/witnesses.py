@@ -16,6 +16,7 @@ from socp_statics.contacts import Stance
 from socp_statics.engines.solution import Solution
 from socp_statics.spatial import Array
 from socp_statics.statics import PointForces, StaticsData, assemble, point_forces
+from socp_statics.statics.point_forces import many_point_forces
 
 
 class Witnesses(Protocol):
@@ -85,11 +86,12 @@ class TracedWitnesses:
 
         points = self._stance().contacts.friction_points
         assert points is not None
-        return tuple(point_forces(self.data, x) for x in unknowns(points, self._cone, self._multipliers))
+        return many_point_forces(self.data, unknowns(points, self._cone, self._multipliers))
 
     def motions(self) -> tuple[tuple[Array, Array], ...]:
         """(linear, angular) about the mean contact point for each outer edge [m/s, rad/s]."""
-        return tuple(self.data.units.twist_in_si(t) for t in np.asarray(self._motions))
+        linear, angular = self._motions[:, :3], self._motions[:, 3:] / self.data.units.length
+        return tuple(zip(linear, angular, strict=True))
 
     def joint_rates(self) -> Array:
         """No joint matters, shape (l, 0)."""
@@ -118,7 +120,7 @@ class LimitedWitnesses:
 
     def forces(self) -> tuple[PointForces, ...]:
         """Balancing forces for each inner corner."""
-        return tuple(point_forces(self.data, x) for x in self._unknowns)
+        return many_point_forces(self.data, self._unknowns)
 
     def motions(self) -> tuple[tuple[Array, Array], ...]:
         """(linear, angular) about the mean contact point for each outer edge [m/s, rad/s]."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -52,6 +53,12 @@ def compiled_reserves(sets: list[ContactSet], cone: ConeChoice, items: NDArray[n
     return Reserves(kinds != OPEN, margin, motion, forces)
 
 
+def row_count(points: Array, cone: ConeChoice) -> int:
+    """Number of rows of the compiled program of a set of points: one a point, or one an edge of the pyramids."""
+    slipping = int((points[:, 12] > 0.0).sum())
+    return len(points) if cone.sides is None else len(points) + slipping * (cone.sides - 1)
+
+
 def compiled_margin(stance: Stance, data: StaticsData, cone: ConeChoice) -> Margin | None:
     """The margin of one stance with what stands behind it.
 
@@ -63,18 +70,44 @@ def compiled_margin(stance: Stance, data: StaticsData, cone: ConeChoice) -> Marg
     Returns:
         The margin; None where the kernel's compiled program does not apply, or its answer does not check.
     """
+    return compiled_margins([stance], [data], cone)[0]
+
+
+def compiled_margins(stances: Sequence[Stance], data: Sequence[StaticsData], cone: ConeChoice) -> list[Margin | None]:
+    """The margins of many stances, by one call of the compiled program.
+
+    Args:
+        stances: The stances.
+        data: Their arrays.
+        cone: Exact cones or pyramids.
+
+    Returns:
+        For each what `compiled_margin` says of it.
+    """
+    margins: list[Margin | None] = [None] * len(stances)
+    mine = [i for i, s in enumerate(stances) if s.contacts.friction_points is not None and s.torque_limits is None]
+    if not mine:
+        return margins
+    loads = np.array([[*loads_row(stances[i]), *stances[i].com] for i in mine])
+    sets = [stances[i].contacts for i in mine]
+    found = compiled_reserves(sets, cone, np.arange(len(mine) + 1), loads)
+    at = 0
+    for k, (i, contacts) in enumerate(zip(mine, sets, strict=True)):
+        points = contacts.friction_points
+        assert points is not None
+        rows = row_count(points, cone)
+        if found.settled[k]:
+            margins[i] = _margin(data[i], points, cone, float(found.margin[k]), found.motion[k], found.forces[at : at + rows])
+        at += rows
+    return margins
+
+
+def _margin(data: StaticsData, points: Array, cone: ConeChoice, value: float, twist: Array, forces: Array) -> Margin | None:
+    """A settled margin, if what stands behind it checks."""
     from socp_statics.engines.kernel.pyramids import unknowns
 
-    points = stance.contacts.friction_points
-    if points is None or stance.torque_limits is not None:
-        return None
-    load = np.array([*loads_row(stance), *stance.com])
-    found = compiled_reserves([stance.contacts], cone, np.array([0, 1]), load[None])
-    value = float(found.margin[0])
-    if not found.settled[0]:
-        return None
-    motion = Motion(found.motion[0], np.zeros(len(data.torques.names)))
-    x = unknowns(points, cone, found.forces[None])[0]
+    motion = Motion(twist, np.zeros(len(data.torques.names)))
+    x = unknowns(points, cone, forces[None])[0]
     optimum = margin_optimum(data, cone, x, value, Multipliers.read(data, motion.twist, {})) if np.isfinite(value) else None
     if value <= -BOUNDARY:
         certificate = motion_certificate(data, cone, motion)

@@ -18,7 +18,7 @@ from socp_statics.contacts import ContactSet, ExternalWrench, Stance
 from socp_statics.contacts.stance import stance_of
 from socp_statics.engines import compiled_first
 from socp_statics.spatial import Array
-from socp_statics.stability.compiled_margin import compiled_margin
+from socp_statics.stability.compiled_margin import compiled_margin, compiled_margins
 from socp_statics.stability.idle import idle_contacts
 from socp_statics.stability.margin import Margin, normal_force_margin
 from socp_statics.stability.prices import optimum_prices
@@ -129,9 +129,36 @@ def check_equilibrium(
     return answer
 
 
+def check_equilibria(stances: Sequence[Stance], cone: ConeChoice, form: str, engine: str | Sequence[str]) -> list[EquilibriumAnswer]:
+    """The whole answers of many stances, margins of friction points by one call of the compiled program.
+
+    Args:
+        stances: The stances.
+        cone: Exact cones or pyramids.
+        form: "socp" or "sdp".
+        engine: As for `check_equilibrium`.
+
+    Returns:
+        For each what `check_equilibrium` says of it, to the last bit.
+
+    Raises:
+        EngineError: No engine settled a program.
+    """
+    if any(stance.torque_limits is not None for stance in stances) or not compiled_first(engine, form):
+        return [check_equilibrium(stance, cone=cone, form=form, engine=engine) for stance in stances]
+    data = [assemble(stance) for stance in stances]
+    margins = compiled_margins(stances, data, cone)
+    return [_judged(*one, cone, form, engine) for one in zip(stances, data, margins, strict=True)]
+
+
 def _checked(stance: Stance, choice: ConeChoice, form: str, engine: str | Sequence[str]) -> EquilibriumAnswer:
     data = assemble(stance)
-    margin = compiled_margin(stance, data, choice) if compiled_first(engine, form) else None
+    return _judged(stance, data, compiled_margin(stance, data, choice) if compiled_first(engine, form) else None, choice, form, engine)
+
+
+def _judged(
+    stance: Stance, data: StaticsData, margin: Margin | None, choice: ConeChoice, form: str, engine: str | Sequence[str]
+) -> EquilibriumAnswer:
     if margin is None:
         margin = normal_force_margin(data, choice, form, engine)
     if np.isnan(margin.value):

@@ -111,8 +111,11 @@ def gravity_load(stance: Stance, units: Units) -> tuple[Array, Array, Array]:
     return load, shift, com
 
 
+@lru_cache(maxsize=128)
 def assemble(stance: Stance) -> StaticsData:
     """Wrench map, cones, bounds and loads of a stance, in units of W and size about the mean contact point.
+
+    Verdict, region and prices of one stance ask for the same arrays, which nobody changes: they are kept for a while.
 
     Args:
         stance: Contacts, centre of mass, mass, gravity and external wrenches; torque limits where forces have to respect them.

@@ -33,12 +33,12 @@ class PointForces:
 
     def entries(self) -> list[dict[str, Any]]:
         """Records of the forces, one a point: contact, point, force and, where it can be carried, moment."""
-        out = []
-        for i, name in enumerate(self.contact):
-            entry: dict[str, Any] = {"contact": name, "point": self.point_W[i].tolist(), "force": self.force_W[i].tolist()}
-            if self.moment_carrying[i]:
-                entry["moment"] = self.moment_W[i].tolist()
-            out.append(entry)
+        out: list[dict[str, Any]] = [
+            {"contact": name, "point": point, "force": force}
+            for name, point, force in zip(self.contact, self.point_W.tolist(), self.force_W.tolist(), strict=True)
+        ]
+        for i in np.flatnonzero(self.moment_carrying):
+            out[i]["moment"] = self.moment_W[i].tolist()
         return out
 
     def wrenches(self) -> list[dict[str, Any]]:
@@ -62,34 +62,44 @@ def point_forces(data: StaticsData, x: Array) -> PointForces:
     Returns:
         Forces in SI and world axes, in the order of the contacts.
     """
-    units = data.units
-    local = np.zeros((data.points, 3))
-    local[: data.slipping, :2] = x[data.tangential].reshape(-1, 2)
-    local[:, 2] = x[data.normal]
+    return many_point_forces(data, x[None])[0]
+
+
+def many_point_forces(data: StaticsData, x: Array) -> tuple[PointForces, ...]:
+    """The forces behind several points of the convex set.
+
+    Args:
+        data: The set.
+        x: Scaled unknowns, shape (k, nx).
+
+    Returns:
+        Of each point, forces in SI and world axes, in the order of the contacts.
+    """
+    units, batch = data.units, len(x)
+    local = np.zeros((batch, data.points, 3))
+    local[:, : data.slipping, :2] = x[:, data.tangential].reshape(batch, -1, 2)
+    local[:, :, 2] = x[:, data.normal]
     R = data.rotation[data.contact_of_point]
-    force = np.einsum("nij,nj->ni", R, local)
+    force = np.einsum("nij,knj->kni", R, local)
     moment = np.zeros_like(force)
     soft = slice(data.circular - data.box, data.slipping)
-    moment[soft] = R[soft, :, 2] * x[data.torsional][:, None]
+    moment[:, soft] = R[soft, :, 2] * x[:, data.torsional][:, :, None]
     carries = np.zeros(data.points, dtype=bool)
     carries[soft] = True
 
     grips = sorted(set(data.contact_of_handle.tolist()))
-    h = x[data.handle]
-    grip_force, grip_moment = np.zeros((len(grips), 3)), np.zeros((len(grips), 3))
-    for value, k, i in zip(h, data.contact_of_handle, data.component_of_handle, strict=True):
+    grip_force, grip_moment = np.zeros((batch, len(grips), 3)), np.zeros((batch, len(grips), 3))
+    for value, k, i in zip(x[:, data.handle].T, data.contact_of_handle, data.component_of_handle, strict=True):
         target = grip_force if i < 3 else grip_moment
-        target[grips.index(k)] += value * data.rotation[k, :, i % 3]
+        target[:, grips.index(k)] += value[:, None] * data.rotation[k, :, i % 3]
 
     owner = np.concatenate([data.contact_of_point, np.array(grips, dtype=int)])
     order = np.argsort(owner, kind="stable")
     origin, length, W = units.origin, units.length, units.force
-    points = np.vstack([data.point, data.position[grips].reshape(-1, 3)])[order]
-    return PointForces(
-        contact=tuple(data.names[k] for k in owner[order]),
-        point_W=origin + length * points,
-        force_W=W * np.vstack([force, grip_force])[order],
-        moment_W=W * length * np.vstack([moment, grip_moment])[order],
-        moment_carrying=np.concatenate([carries, np.ones(len(grips), dtype=bool)])[order],
-        position_W={name: origin + length * data.position[k] for k, name in enumerate(data.names)},
-    )
+    points = origin + length * np.concatenate([data.point, data.position[grips].reshape(-1, 3)])[order]
+    forces = W * np.concatenate([force, grip_force], axis=1)[:, order]
+    moments = W * length * np.concatenate([moment, grip_moment], axis=1)[:, order]
+    names = tuple(data.names[k] for k in owner[order])
+    carrying = np.concatenate([carries, np.ones(len(grips), dtype=bool)])[order]
+    places = {name: origin + length * data.position[k] for k, name in enumerate(data.names)}
+    return tuple(PointForces(names, points, forces[k], moments[k], carrying, places) for k in range(batch))

@@ -108,6 +108,19 @@ class Parameters(Statement):
 
 
 @dataclass(frozen=True)
+class Many:
+    """How many problems of one model are answered by one call.
+
+    Attributes:
+        kind: ``(problem, engine) -> Any``: what problems have to have in common, None for one that is answered alone.
+        compute: ``(problems, stances, engine) -> list``: for each what `Answer.compute` gives it, to the last bit.
+    """
+
+    kind: Callable[[Problem, str | Sequence[str]], Any]
+    compute: Callable[[Sequence[Problem], Sequence[Stance], str | Sequence[str]], list[dict[str, Any]]]
+
+
+@dataclass(frozen=True)
 class Answer:
     """One model of the contract.
 
@@ -120,6 +133,7 @@ class Answer:
         follows_com: Whether `compute` asks about the stance it is given and nothing else, and fast enough to follow a centre of mass
             that somebody drags about.
         shown: ``(problem, record) -> stance`` that the forces of a record belong to, where it is not that of the problem.
+        many: How many problems are answered by one call, where that is possible.
     """
 
     parameters: type[Parameters]
@@ -127,6 +141,7 @@ class Answer:
     record_keys: dict[str, Any] = field(default_factory=lambda: RECORD_KEYS)
     follows_com: bool = False
     shown: Callable[[Problem, Mapping[str, Any]], Stance] | None = None
+    many: Many | None = None
 
 
 def contact_names(info: ValidationInfo) -> tuple[str, ...] | None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import Field, ValidationInfo, field_validator
 
-from socp_statics.cases.answers.answer import RECORD_KEYS, Answer, Parameters
+from socp_statics.cases.answers.answer import RECORD_KEYS, Answer, Many, Parameters
 from socp_statics.cases.answers.safety import SAFETY_KEYS, safety_verdict
 from socp_statics.cases.answers.simple_test import SIMPLE_TEST_KEYS, simple_tests
 from socp_statics.cases.answers.strong_stability import STRONG_KEYS, strong_keys
@@ -27,6 +27,7 @@ class EquilibriumParameters(Parameters):
     safety: float | None = Field(None, ge=0, description="a finite length >= 0 [m]")
     simple_test: bool | None = Field(None, description="true or false")
     strong: bool | None = Field(None, description="true or false")
+    prices: bool | None = Field(None, description="true or false: whether the record says what friction, limits and places are worth")
 
     @field_validator("strong")
     @classmethod
@@ -59,12 +60,13 @@ def price_keys(prices: Prices | None) -> dict[str, Any]:
     return {} if prices is None else {prices.objective: prices.as_record()}
 
 
-def verdict_keys(answer: EquilibriumAnswer, stance: Stance) -> dict[str, Any]:
+def verdict_keys(answer: EquilibriumAnswer, stance: Stance, prices: bool = True) -> dict[str, Any]:
     """The record keys that every model shares with the verdict of its stance.
 
     Args:
         answer: Of `socp_statics.stability`.
         stance: Its stance.
+        prices: Whether prices are among them.
     """
     return {
         "status": answer.status,
@@ -79,7 +81,7 @@ def verdict_keys(answer: EquilibriumAnswer, stance: Stance) -> dict[str, Any]:
         "forces": [] if answer.forces is None else answer.forces.entries(),
         **torque_keys(answer, stance),
         "certificate": None if answer.certificate is None else answer.certificate.as_record(),
-        "prices": price_keys(answer.prices),
+        "prices": price_keys(answer.prices) if prices else {},
         "residuals": dict(answer.residuals),
         "engine": answer.engine,
         "handovers": answer.handovers,
@@ -99,13 +101,16 @@ def answer(problem: Problem, stance: Stance, engine: str | Sequence[str]) -> dic
     # the answers are listed and problems validated without a solver: it is imported when one is solved
     from socp_statics.stability import check_equilibrium
 
+    return _keys(problem, stance, engine, check_equilibrium(stance, cone=problem.cone, form=problem.parameters["form"], engine=engine))
+
+
+def _keys(problem: Problem, stance: Stance, engine: str | Sequence[str], found: EquilibriumAnswer) -> dict[str, Any]:
     stated, cone = problem.parameters, problem.cone
-    weak = check_equilibrium(stance, cone=cone, form=stated["form"], engine=engine)
-    keys = verdict_keys(weak, stance)
+    keys = verdict_keys(found, stance, stated.get("prices", True))
     if stated.get("strong"):
         from socp_statics.stability.strong import strong_answer
 
-        keys |= strong_keys(strong_answer(stance, weak, engine))
+        keys |= strong_keys(strong_answer(stance, found, engine))
     if "safety" in stated:
         from socp_statics.regions import trace_support_region
 
@@ -116,4 +121,34 @@ def answer(problem: Problem, stance: Stance, engine: str | Sequence[str]) -> dic
     return keys
 
 
-ANSWER = Answer(EquilibriumParameters, answer, RECORD_KEYS | SAFETY_KEYS | SIMPLE_TEST_KEYS | STRONG_KEYS, follows_com=True)
+def friction_only(problem: Problem, engine: str | Sequence[str]) -> Any:
+    """What problems share whose margins or regions one call of the kernel finds: the parameters; None where limits count, or no kernel."""
+    from socp_statics.engines import compiled_first
+
+    stated = problem.parameters
+    if stated["torque_limits"] or not compiled_first(engine, stated["form"]):
+        return None
+    return (problem.model, tuple(sorted(stated.items())))
+
+
+def answers(problems: Sequence[Problem], stances: Sequence[Stance], engine: str | Sequence[str]) -> list[dict[str, Any]]:
+    """What `answer` says of many problems with the same parameters.
+
+    Args:
+        problems: The problems.
+        stances: Their stances.
+        engine: "auto", the name of an engine, or several to be tried in turn.
+    """
+    from socp_statics.stability.equilibrium import check_equilibria
+
+    found = check_equilibria(stances, problems[0].cone, problems[0].parameters["form"], engine)
+    return [_keys(problem, stance, engine, one) for problem, stance, one in zip(problems, stances, found, strict=True)]
+
+
+ANSWER = Answer(
+    EquilibriumParameters,
+    answer,
+    RECORD_KEYS | SAFETY_KEYS | SIMPLE_TEST_KEYS | STRONG_KEYS,
+    follows_com=True,
+    many=Many(friction_only, answers),
+)

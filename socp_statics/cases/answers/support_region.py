@@ -7,13 +7,15 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import Field
 
-from socp_statics.cases.answers.answer import BY_JOINT, PRICE_KEYS, RECORD_KEYS, VECTOR, Answer
-from socp_statics.cases.answers.equilibrium import EquilibriumParameters, price_keys, verdict_keys
+from socp_statics.cases.answers.answer import BY_JOINT, PRICE_KEYS, RECORD_KEYS, VECTOR, Answer, Many
+from socp_statics.cases.answers.equilibrium import EquilibriumParameters, friction_only, price_keys, verdict_keys
 from socp_statics.cases.answers.safety import SAFETY_KEYS, safety_verdict
 
 if TYPE_CHECKING:
     from socp_statics.cases.problem import Problem
     from socp_statics.contacts import Stance
+    from socp_statics.regions import SupportRegion
+    from socp_statics.stability import EquilibriumAnswer
 
 REGION_KEYS: dict[str, Any] = {
     "com_margin": None,
@@ -63,14 +65,41 @@ def answer(problem: Problem, stance: Stance, engine: str | Sequence[str]) -> dic
         stance: Its stance.
         engine: "auto", the name of an engine, or several to be tried in turn.
     """
-    from socp_statics.regions import com_margin_prices, trace_support_region
+    from socp_statics.regions import trace_support_region
     from socp_statics.stability import check_equilibrium
 
-    stated, settings = problem.parameters, {"cone": problem.cone, "form": problem.parameters["form"], "engine": engine}
-    region = trace_support_region(stance, stated["tolerance"], **settings)
-    keys = verdict_keys(check_equilibrium(stance, **settings), stance)
+    settings = {"cone": problem.cone, "form": problem.parameters["form"], "engine": engine}
+    region = trace_support_region(stance, problem.parameters["tolerance"], **settings)
+    return _keys(problem, stance, engine, region, check_equilibrium(stance, **settings))
+
+
+def answers(problems: Sequence[Problem], stances: Sequence[Stance], engine: str | Sequence[str]) -> list[dict[str, Any]]:
+    """What `answer` says of many problems with the same parameters.
+
+    Args:
+        problems: The problems.
+        stances: Their stances.
+        engine: "auto", the name of an engine, or several to be tried in turn.
+    """
+    from socp_statics.regions import trace_support_regions
+    from socp_statics.stability.equilibrium import check_equilibria
+
+    cone, stated = problems[0].cone, problems[0].parameters
+    regions = trace_support_regions(stances, stated["tolerance"], cone=cone, form=stated["form"], engine=engine)
+    found = check_equilibria(stances, cone, stated["form"], engine)
+    return [_keys(p, s, engine, region, one) for p, s, region, one in zip(problems, stances, regions, found, strict=True)]
+
+
+def _keys(
+    problem: Problem, stance: Stance, engine: str | Sequence[str], region: SupportRegion, found: EquilibriumAnswer
+) -> dict[str, Any]:
+    from socp_statics.regions import com_margin_prices
+
+    stated = problem.parameters
+    priced = stated.get("prices", True)
+    keys = verdict_keys(found, stance, priced)
     com_margin = agree(region.com_margin, keys["verdict"])
-    prices = com_margin_prices(stance, region, form=stated["form"], engine=engine)
+    prices = com_margin_prices(stance, region, form=stated["form"], engine=engine) if priced else None
     keys |= {
         "status": "solved",
         "com_margin": com_margin,
@@ -84,4 +113,6 @@ def answer(problem: Problem, stance: Stance, engine: str | Sequence[str]) -> dic
     return keys
 
 
-ANSWER = Answer(SupportRegionParameters, answer, RECORD_KEYS | REGION_KEYS | SAFETY_KEYS)
+ANSWER = Answer(
+    SupportRegionParameters, answer, RECORD_KEYS | REGION_KEYS | SAFETY_KEYS, many=Many(friction_only, answers)
+)

@@ -1,0 +1,3 @@
+"""A results folder on one page: counts, failures, slowest cases, distributions, thumbnails of regions, versions."""
+
+from socp_statics.report.writing import write_report as write_report
