@@ -6,14 +6,18 @@ from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
-from socp_statics.engines.conic_form import ConicData, ConicForm
-from socp_statics.engines.solution import Residuals, Solution
+from socp_statics.engines.conic_form import ConicData, ConicForm, cost_gradient
+from socp_statics.engines.smoothing_newton import finished
+from socp_statics.engines.solution import SOLVED, Residuals, Solution
 from socp_statics.models.program import ConicModel
 from socp_statics.spatial import Array
 
 ACCEPTED = 1e-8
+# A solution that misses its equations by more, in the units of the data, is solved on to rounding.
+PRECISE = 1e-9
 
 
 class ConicSession:
@@ -69,6 +73,25 @@ class ConicSession:
     def answer(self) -> Solution:
         """Solve."""
         raise TypeError(f"{type(self).__name__} does not say how to solve")
+
+    def finish(self, solution: ConicSolution, s: Array) -> ConicSolution:
+        """A solution, solved on to rounding where the engine stopped short of it.
+
+        Args:
+            solution: With finite unknowns or not.
+            s: Its slack.
+
+        Returns:
+            The solution itself where it misses its equations by little, or where nothing better is found.
+        """
+        data, x, y = self.data, solution.x, solution.y
+        missed = max(float(np.abs(data.A @ x + s - data.b).max(initial=0.0)), float(np.abs(cost_gradient(data, x, y)).max(initial=0.0)))
+        if missed <= PRECISE and solution.status == SOLVED:
+            return solution
+        better = finished(data, self.form.cones, x, y)
+        if better is None or max(self.form.residuals(data, *better)) > ACCEPTED:
+            return solution
+        return FinishedSolution(self.form, data, self.offset, solution.engine, f"{solution.detail}, then solved to rounding", *better)
 
     def _cost(self, name: str) -> tuple[Array, Array]:
         """Q as an affine function of one parameter, the others as they are."""
@@ -145,6 +168,34 @@ class ConicSolution:
     def residuals(self) -> Residuals:
         """Residuals recomputed from the data."""
         return self.form.residuals(self.data, self.x, self.y)
+
+
+class FinishedSolution(ConicSolution):
+    """A solution that Newton's method took to rounding; see `smoothing_newton`.
+
+    Args:
+        form: Canonical form of the program.
+        data: The instance.
+        offset: Constant of its objective.
+        engine: Name of the engine that began it.
+        detail: What happened, in words.
+        x: The canonical variables.
+        y: The conic multipliers.
+    """
+
+    def __init__(self, form: ConicForm, data: ConicData, offset: float, engine: str, detail: str, x: Array, y: Array):
+        super().__init__(form, data, offset, SOLVED, detail, form.values(data, x, y))
+        self.engine, self._x, self._y = engine, x, y
+
+    @property
+    def x(self) -> Array:
+        """The canonical variables."""
+        return self._x
+
+    @property
+    def y(self) -> Array:
+        """The conic multipliers."""
+        return self._y
 
 
 class ConicCompiled:
