@@ -12,7 +12,6 @@ interior, forces are a million weights or an optimum degenerates.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import lstsq
 
 from socp_statics.engines.conic_form import Cones, ConicData
@@ -67,7 +66,8 @@ def _slack(v: Array, product: float, rows: _Rows) -> tuple[Array, Array]:
         J = np.empty((*index.shape, index.shape[1]))
         J[:, 0, 0] = middle
         J[:, 0, 1:] = J[:, 1:, 0] = half[:, None] * way
-        J[:, 1:, 1:] = across[:, None, None] * np.eye(index.shape[1] - 1) + (middle - across)[:, None, None] * way[:, :, None] * way[:, None]
+        J[:, 1:, 1:] = across[:, None, None] * np.eye(index.shape[1] - 1)
+        J[:, 1:, 1:] += (middle - across)[:, None, None] * way[:, :, None] * way[:, None]
         D[index[:, :, None], index[:, None, :]] = J
     return s, D
 

@@ -75,8 +75,9 @@ def _flat_rows(key: Cones, n: int) -> list[Array]:
     if boxes:
         spin = np.zeros((2, boxes, n))
         each = np.arange(boxes)
-        spin[0, each, turning + each], spin[1, each, turning + each] = 1.0, -1.0
-        spin[:, each, first + circular - boxes + each] = -torsion[:boxes]
+        # In units of the normal force, like everything else that is compared with a tolerance.
+        spin[0, each, turning + each], spin[1, each, turning + each] = 1.0 / torsion[:boxes], -1.0 / torsion[:boxes]
+        spin[:, each, first + circular - boxes + each] = -1.0
         out.append(spin.reshape(-1, n))
     if not cone.is_exact:
         assert cone.sides is not None
