@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from socp_statics.engines.conic_form import ConicData, ConicForm, cost_gradient
-from socp_statics.engines.smoothing_newton import finished
+from socp_statics.engines.smoothing_newton import finished, unit_of
 from socp_statics.engines.solution import SOLVED, Residuals, Solution
 from socp_statics.models.program import ConicModel
 from socp_statics.spatial import Array
 
 ACCEPTED = 1e-8
-# A solution that misses its equations by more, in the units of the data, is solved on to rounding.
+# A solution that is short of more, as a share of its objective, is solved on to rounding.
 PRECISE = 1e-9
 
 
@@ -85,13 +85,22 @@ class ConicSession:
             The solution itself where it misses its equations by little, or where nothing better is found.
         """
         data, x, y = self.data, solution.x, solution.y
-        missed = max(float(np.abs(data.A @ x + s - data.b).max(initial=0.0)), float(np.abs(cost_gradient(data, x, y)).max(initial=0.0)))
-        if missed <= PRECISE and solution.status == SOLVED:
+        if solution.status == SOLVED and self._missed(x, y, s) <= PRECISE:
             return solution
-        better = finished(data, self.form.cones, x, y)
-        if better is None or max(self.form.residuals(data, *better)) > ACCEPTED:
-            return solution
-        return FinishedSolution(self.form, data, self.offset, solution.engine, f"{solution.detail}, then solved to rounding", *better)
+        for unit in (unit_of(x, y), 1.0):
+            better = finished(data, self.form.cones, x, y, unit)
+            if better is not None and max(self.form.residuals(data, *better)) <= ACCEPTED:
+                detail = f"{solution.detail}, then solved to rounding"
+                return FinishedSolution(self.form, data, self.offset, solution.engine, detail, *better)
+        return solution
+
+    def _missed(self, x: Array, y: Array, s: Array) -> float:
+        """What an answer is short of, as a share of its objective: its gap, and equations times what they cost."""
+        data = self.data
+        primal, dual = self.form.values(data, x, y)
+        unmet = float(np.abs(data.A @ x + s - data.b).max(initial=0.0)) * max(1.0, float(np.abs(y).max(initial=0.0)))
+        unbalanced = float(np.abs(cost_gradient(data, x, y)).max(initial=0.0)) * max(1.0, float(np.abs(x).max(initial=0.0)))
+        return max(unmet, unbalanced, abs(primal - dual)) / (1.0 + abs(primal))
 
     def _cost(self, name: str) -> tuple[Array, Array]:
         """Q as an affine function of one parameter, the others as they are."""

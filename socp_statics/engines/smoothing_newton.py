@@ -72,7 +72,12 @@ def _slack(v: Array, product: float, rows: _Rows) -> tuple[Array, Array]:
     return s, D
 
 
-def finished(data: ConicData, cones: Cones, x: Array, y: Array) -> tuple[Array, Array] | None:
+def unit_of(x: Array, y: Array) -> float:
+    """The unit that makes unknowns and multipliers of one size: the difference v of slack and multiplier then keeps the digits of both."""
+    return max(1.0, float(np.abs(x).max(initial=0.0))) / max(1.0, float(np.abs(y).max(initial=0.0)))
+
+
+def finished(data: ConicData, cones: Cones, x: Array, y: Array, unit: float) -> tuple[Array, Array] | None:
     """Solve a program to rounding from an approximate solution.
 
     Args:
@@ -80,6 +85,7 @@ def finished(data: ConicData, cones: Cones, x: Array, y: Array) -> tuple[Array, 
         cones: Its cones.
         x: Unknowns.
         y: Conic multipliers.
+        unit: Of unknowns and slacks, see `unit_of`.
 
     Returns:
         Unknowns and multipliers, these inside their cones, slacks inside theirs to rounding; None where the method does not get to the
@@ -88,19 +94,19 @@ def finished(data: ConicData, cones: Cones, x: Array, y: Array) -> tuple[Array, 
     m, n = data.A.shape
     if cones.psd or m + n > LARGEST or not (np.isfinite(x).all() and np.isfinite(y).all()):
         return None
-    A, rows, identity = data.A.toarray(), _Rows(cones), np.eye(m)
-    upper = data.P.toarray()
+    A, b, x, rows, identity = data.A.toarray(), data.b / unit, x / unit, _Rows(cones), np.eye(m)
+    upper = data.P.toarray() * unit
     P = upper + np.triu(upper, 1).T
     M = np.zeros((n + m, n + m))
     M[:n, :n], M[n:, :n] = P, A
-    s = data.b - A @ x
+    s = b - A @ x
     v = s - y
     v[: cones.zero] = -y[: cones.zero]
     product = float(np.clip(abs(s[cones.zero :] @ y[cones.zero :]) / rows.degree, NEAR, FAR))
 
     def missed(x: Array, v: Array) -> tuple[Array, Array, Array]:
         slack, D = _slack(v, product, rows)
-        return np.concatenate([P @ x + data.q + A.T @ (slack - v), A @ x + slack - data.b]), slack - v, D
+        return np.concatenate([P @ x + data.q + A.T @ (slack - v), A @ x + slack - b]), slack - v, D
 
     reached: tuple[Array, Array, float] | None = None
     shrink, steps = SHRINK, 0
@@ -123,7 +129,7 @@ def finished(data: ConicData, cones: Cones, x: Array, y: Array) -> tuple[Array, 
         if exact or (follows and size <= FOLLOWED * np.sqrt(product) * min(1.0, 1e3 * np.sqrt(product))):
             x, v = there
             if product * rows.degree <= ROUNDING and (size <= ROUNDING * scale or product <= LEAST):
-                return x, z
+                return unit * x, z
             reached = x, v, product
             shrink = max(shrink**1.5, FASTEST) if steps <= 2 else min(np.sqrt(shrink), 0.5) if steps > 4 else shrink
             product *= shrink
