@@ -133,7 +133,7 @@ def reserve(X, points, wrenches, a, N, factors, load, q, states, equations, gues
         q[j] = 0.0
         for i in range(6):
             q[j] -= N[i, j] * load[i]
-    status, known = settle(X, n, points, 0.0, factors, q, states, equations, guess, u, forces.reshape(3 * n))
+    status, _, exact = settle(X, n, points, 0.0, factors, q, states, equations, guess, u, forces.reshape(3 * n))
     if status != SOLVED and status != INFEASIBLE:
         return OPEN, 0.0, 0.0
     bound = start
@@ -162,7 +162,7 @@ def reserve(X, points, wrenches, a, N, factors, load, q, states, equations, gues
         settled = margin > 1.0 and worst <= 0.0 and largest < 1e12
         return (INFINITE if settled else OPEN), math.inf, worst
     # What Newton's method did not take to rounding has to say how near it is.
-    near = ACCEPTED if known else PRECISE
+    near = ACCEPTED if exact else PRECISE
     if not abs(margin - bound) <= near * (1.0 + abs(bound)):
         return OPEN, margin, worst
     if margin < 0.0:

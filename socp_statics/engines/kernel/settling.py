@@ -70,7 +70,7 @@ def settle(X, cones, points, pad, factors, q, states, equations, guess, y, kept)
         kept: Written: the multipliers, shape (3 * cones,).
 
     Returns:
-        Status of the program, and whether the states are known.
+        Status of the program, whether the states are known, and whether unknowns and multipliers are exact but for rounding.
     """
     tolerance, begun = ROUGH, NEW
     while True:
@@ -83,7 +83,7 @@ def settle(X, cones, points, pad, factors, q, states, equations, guess, y, kept)
             y[j] = guess[j]
         # What is left for the interior-point method after this Newton's method does in a fraction of the time, and to rounding.
         if optimum(X, cones, points, q, states, equations, y, kept):
-            return SOLVED, True
+            return SOLVED, True, True
         if tolerance == TOLERANCE:
             known = classify(X, cones, points, CLEAR, states)
             break
@@ -92,4 +92,4 @@ def settle(X, cones, points, pad, factors, q, states, equations, guess, y, kept)
     keep_multipliers(X, cones, kept)
     for j in range(5):
         y[j] = guess[j]
-    return status, known
+    return status, known, False

@@ -72,7 +72,7 @@ def support(X, cones, points, factors, q, reference, dx, dy, states, equations, 
     Returns:
         Status of the program, and whether the states are known.
     """
-    status, known = settle(X, cones, points, 1.0, factors, q, states, equations, guess, y, kept)
+    status, known, _ = settle(X, cones, points, 1.0, factors, q, states, equations, guess, y, kept)
     if status == SOLVED:
         finish(X, cones, q, reference, dx, dy, node, y, kept)
     return status, known
