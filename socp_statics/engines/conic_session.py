@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any
@@ -36,6 +37,7 @@ class ConicSession:
         self.data = form.data(self._p)
         self.offset = form.offset(self._p)
         self._costs: dict[str, tuple[Array, Array]] = {}
+        self._entry_column = np.repeat(np.arange(form.columns), np.diff(self.data.A.indptr))
 
     def solve(self, **changed: ArrayLike) -> Solution:
         """Solve with some parameters changed; they stay changed.
@@ -96,11 +98,16 @@ class ConicSession:
 
     def _missed(self, x: Array, y: Array, s: Array) -> float:
         """What an answer is short of, as a share of its objective: its gap, and equations times what they cost."""
-        data = self.data
-        primal, dual = self.form.values(data, x, y)
-        unmet = float(np.abs(data.A @ x + s - data.b).max(initial=0.0)) * max(1.0, float(np.abs(y).max(initial=0.0)))
-        unbalanced = float(np.abs(cost_gradient(data, x, y)).max(initial=0.0)) * max(1.0, float(np.abs(x).max(initial=0.0)))
-        return max(unmet, unbalanced, abs(primal - dual)) / (1.0 + abs(primal))
+        A, q, b = self.data.A, self.data.q, self.data.b
+        column = self._entry_column
+        unmet = np.bincount(A.indices, A.data * x[column], self.form.rows) + s - b
+        slope = np.bincount(column, A.data * y[A.indices], self.form.columns) + q
+        primal, dual = float(q @ x), -float(b @ y)
+        if self.data.P.nnz:
+            slope = cost_gradient(self.data, x, y)
+            primal, dual = self.form.values(self.data, x, y)
+        cost = math.sqrt(float(unmet @ unmet) * max(1.0, float(y @ y))) + math.sqrt(float(slope @ slope) * max(1.0, float(x @ x)))
+        return max(cost, abs(primal - dual)) / (1.0 + abs(primal))
 
     def _cost(self, name: str) -> tuple[Array, Array]:
         """Q as an affine function of one parameter, the others as they are."""

@@ -9,8 +9,8 @@ from socp_statics.engines.kernel.lanes import BLOCK, MULTIPLIER, S2, S3, S4, S, 
 from socp_statics.engines.kernel.normal_matrix import solve_factored
 
 TOLERANCE = 1e-12
-# Of the interior-point iterate that Newton's method starts from.
-ROUGH = 1e-3
+# Of the interior-point iterates that Newton's method starts from, the second one where the first does not tell what contacts do.
+ROUGH, FINE = 1e-3, 1e-6
 # An interior-point solution says beyond doubt what a contact does if distances to the boundary differ by this much.
 CLEAR = 1e-3
 
@@ -87,7 +87,7 @@ def settle(X, cones, points, pad, factors, q, states, equations, guess, y, kept)
         if tolerance == TOLERANCE:
             known = classify(X, cones, points, CLEAR, states)
             break
-        tolerance = TOLERANCE
+        tolerance = FINE if tolerance == ROUGH else TOLERANCE
     balance_multipliers(X, cones, factors, q)
     keep_multipliers(X, cones, kept)
     for j in range(5):
