@@ -160,8 +160,9 @@ def test_pushes_at_the_limit_of_friction_are_settled(over):
     assert check_equilibrium(stance).verdict == ("unstable" if over > 0 else "stable")
 
 
-def test_a_region_without_interior_says_by_how_much_its_cones_were_widened():
-    push = ExternalWrench(force=[0.6 * 588.6, 0, 0], point=[0, 0, 0])
+@pytest.mark.parametrize("over", [1e-8, 5e-8])
+def test_a_region_without_interior_says_by_how_much_its_cones_were_widened(over):
+    push = ExternalWrench(force=[0.6 * 588.6 * (1 + over), 0, 0], point=[0, 0, 0])
     stance = Stance(feet(), [0, 0, 0.8], 60.0, external_wrenches=(push,))
     region = trace_support_region(stance)
     assert region.kind == "polygon"
@@ -169,6 +170,18 @@ def test_a_region_without_interior_says_by_how_much_its_cones_were_widened():
     assert region.as_record()["widened"] == region.widened
     plain = trace_support_region(feet())
     assert plain.widened == 0 and "widened" not in plain.as_record()
+
+
+def test_a_push_at_the_limit_of_friction_needs_hardly_wider_cones():
+    """The set of forces has no interior but what rounding leaves: settled as it stands, or with cones 1e-7 W wider and said so."""
+    push = ExternalWrench(force=[0.6 * 588.6, 0, 0], point=[0, 0, 0])
+    region = trace_support_region(Stance(feet(), [0, 0, 0.8], 60.0, external_wrenches=(push,)))
+    assert region.kind == "polygon"
+    assert region.widened <= 2.1e-7 * 588.6
+    for forces in region.inner_forces:
+        slip = np.hypot(*forces.force_W[:, :2].T) - 0.6 * forces.force_W[:, 2]
+        assert slip.max() <= 0.6 * region.widened + 1e-8 * 588.6
+        assert np.abs(forces.force_W.sum(axis=0) + [0.6 * 588.6, 0.0, -588.6]).max() <= 1e-8 * 588.6
 
 
 @pytest.mark.parametrize("family", ["sloped", "feet_and_hands", "mix"])

@@ -68,18 +68,22 @@ class Session(ConicSession):
         """Update all numbers in place."""
         self._solver.update(**{key: value for key, value in self.data._asdict().items() if key != "P" or value.nnz})
 
-    def answer(self) -> CompiledSolution:
-        """Solve; where the solver fails, again with another regularisation."""
-        solution = CompiledSolution(self.form, self.data, self.offset, self._solver.solve())
+    def answer(self) -> ConicSolution:
+        """Solve; where the solver stops short, on from there to rounding, and where it fails, again with another regularisation."""
+        solution = self._finished(self._solver.solve())
         for regularisation in OTHER_REGULARISATIONS:
             if solution.status != FAILED:
                 break
             # Sets with hardly any interior are lost in Clarabel's usual regularisation, rows that nearly repeat each other need more.
             settings = solver_settings()
             settings.static_regularization_constant = regularisation
-            raw = clarabel.DefaultSolver(*self.data, clarabel_cones(self.form.cones), settings).solve()
-            solution = CompiledSolution(self.form, self.data, self.offset, raw)
+            solution = self._finished(clarabel.DefaultSolver(*self.data, clarabel_cones(self.form.cones), settings).solve())
         return solution
+
+    def _finished(self, raw: Any) -> ConicSolution:
+        """Clarabel's answer, solved on to rounding where it is one that this can mend."""
+        solution = CompiledSolution(self.form, self.data, self.offset, raw)
+        return self.finish(solution, np.asarray(raw.s)) if solution.status in (SOLVED, FAILED) else solution
 
 
 class CompiledSolution(ConicSolution):

@@ -198,9 +198,13 @@ class ConicForm:
 
     def gap(self, data: ConicData, z: Array, y: Array) -> float:
         """Difference of the primal and the dual objective over 1 + |objective|, from the data alone."""
+        primal, dual = self.values(data, z, y)
+        return abs(primal - dual) / (1.0 + abs(primal))
+
+    def values(self, data: ConicData, z: Array, y: Array) -> tuple[float, float]:
+        """Primal and dual objective, from the data alone."""
         quadratic = float(z @ (data.P @ z + data.P.T @ z - data.P.diagonal() * z)) if data.P.nnz else 0.0
-        value = 0.5 * quadratic + float(data.q @ z)
-        return abs(value + 0.5 * quadratic + float(data.b @ y)) / (1.0 + abs(value))
+        return 0.5 * quadratic + float(data.q @ z), -0.5 * quadratic - float(data.b @ y)
 
     def residuals(self, data: ConicData, z: Array, y: Array) -> Residuals:
         """Residuals of a primal-dual pair, from the data alone.
@@ -213,12 +217,16 @@ class ConicForm:
         Returns:
             Primal and dual violation and relative gap.
         """
-        P = data.P + sp.triu(data.P, 1).T
-        Pz = P @ z
         slack = data.b - data.A @ z
         primal = cone_violation(slack, self.cones, dual=False)
-        dual = max(float(np.abs(Pz + data.q + data.A.T @ y).max(initial=0.0)), cone_violation(y, self.cones, dual=True))
+        dual = max(float(np.abs(cost_gradient(data, z, y)).max(initial=0.0)), cone_violation(y, self.cones, dual=True))
         return Residuals(primal, dual, self.gap(data, z, y))
+
+
+def cost_gradient(data: ConicData, z: Array, y: Array) -> Array:
+    """``P z + q + A' y``, zero at an optimum, shape (columns,)."""
+    curved = data.P @ z + sp.triu(data.P, 1).T @ z if data.P.nnz else 0.0
+    return data.q + data.A.T @ y + curved
 
 
 def flat_multiplier(dual: object) -> Array:

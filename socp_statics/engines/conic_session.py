@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
-from socp_statics.engines.conic_form import ConicData, ConicForm
-from socp_statics.engines.solution import Residuals, Solution
+from socp_statics.engines.conic_form import ConicData, ConicForm, cost_gradient
+from socp_statics.engines.smoothing_newton import finished, unit_of
+from socp_statics.engines.solution import SOLVED, Residuals, Solution
 from socp_statics.models.program import ConicModel
 from socp_statics.spatial import Array
 
 ACCEPTED = 1e-8
+# A solution that is short of more, as a share of its objective, is solved on to rounding.
+PRECISE = 1e-9
 
 
 class ConicSession:
@@ -32,6 +37,7 @@ class ConicSession:
         self.data = form.data(self._p)
         self.offset = form.offset(self._p)
         self._costs: dict[str, tuple[Array, Array]] = {}
+        self._entry_column = np.repeat(np.arange(form.columns), np.diff(self.data.A.indptr))
 
     def solve(self, **changed: ArrayLike) -> Solution:
         """Solve with some parameters changed; they stay changed.
@@ -69,6 +75,39 @@ class ConicSession:
     def answer(self) -> Solution:
         """Solve."""
         raise TypeError(f"{type(self).__name__} does not say how to solve")
+
+    def finish(self, solution: ConicSolution, s: Array) -> ConicSolution:
+        """A solution, solved on to rounding where the engine stopped short of it.
+
+        Args:
+            solution: With finite unknowns or not.
+            s: Its slack.
+
+        Returns:
+            The solution itself where it misses its equations by little, or where nothing better is found.
+        """
+        data, x, y = self.data, solution.x, solution.y
+        if solution.status == SOLVED and self._missed(x, y, s) <= PRECISE:
+            return solution
+        for unit in (unit_of(x, y), 1.0):
+            better = finished(data, self.form.cones, x, y, unit)
+            if better is not None and max(self.form.residuals(data, *better)) <= ACCEPTED:
+                detail = f"{solution.detail}, then solved to rounding"
+                return FinishedSolution(self.form, data, self.offset, solution.engine, detail, *better)
+        return solution
+
+    def _missed(self, x: Array, y: Array, s: Array) -> float:
+        """What an answer is short of, as a share of its objective: its gap, and equations times what they cost."""
+        A, q, b = self.data.A, self.data.q, self.data.b
+        column = self._entry_column
+        unmet = np.bincount(A.indices, A.data * x[column], self.form.rows) + s - b
+        slope = np.bincount(column, A.data * y[A.indices], self.form.columns) + q
+        primal, dual = float(q @ x), -float(b @ y)
+        if self.data.P.nnz:
+            slope = cost_gradient(self.data, x, y)
+            primal, dual = self.form.values(self.data, x, y)
+        cost = math.sqrt(float(unmet @ unmet) * max(1.0, float(y @ y))) + math.sqrt(float(slope @ slope) * max(1.0, float(x @ x)))
+        return max(cost, abs(primal - dual)) / (1.0 + abs(primal))
 
     def _cost(self, name: str) -> tuple[Array, Array]:
         """Q as an affine function of one parameter, the others as they are."""
@@ -145,6 +184,34 @@ class ConicSolution:
     def residuals(self) -> Residuals:
         """Residuals recomputed from the data."""
         return self.form.residuals(self.data, self.x, self.y)
+
+
+class FinishedSolution(ConicSolution):
+    """A solution that Newton's method took to rounding; see `smoothing_newton`.
+
+    Args:
+        form: Canonical form of the program.
+        data: The instance.
+        offset: Constant of its objective.
+        engine: Name of the engine that began it.
+        detail: What happened, in words.
+        x: The canonical variables.
+        y: The conic multipliers.
+    """
+
+    def __init__(self, form: ConicForm, data: ConicData, offset: float, engine: str, detail: str, x: Array, y: Array):
+        super().__init__(form, data, offset, SOLVED, detail, form.values(data, x, y))
+        self.engine, self._x, self._y = engine, x, y
+
+    @property
+    def x(self) -> Array:
+        """The canonical variables."""
+        return self._x
+
+    @property
+    def y(self) -> Array:
+        """The conic multipliers."""
+        return self._y
 
 
 class ConicCompiled:

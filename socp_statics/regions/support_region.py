@@ -34,7 +34,7 @@ class SupportRegion:
         solves: Number of conic programs.
         cone: Exact cones or pyramids.
         engine: Name of the engine that answered.
-        handovers: How many engines did not settle before.
+        handovers: How many engines did not settle before; the compiled programs of the kernel and its general method are one engine.
         com_margin: Of the stance's own centre of mass: distance to the edge, minus the distance outside [m]; inf where the
             region is the whole plane; None where the region is empty or no centre of mass was given.
         clip: The clipping square ``(x_min, x_max, y_min, y_max)`` [m], or None.

@@ -40,7 +40,7 @@ class Margin:
         motion: Motion of the multipliers, or None.
         gap: Difference of primal and dual objective, relative.
         engine: Name of the engine that answered.
-        handovers: How many engines did not settle before.
+        handovers: How many engines did not settle before; the compiled programs of the kernel and its general method are one engine.
         optimum: Forces and multipliers that prices follow from: of a finite margin, or of the hard rows where they cannot be met.
     """
 

@@ -82,7 +82,7 @@ def solve_plan(W, F, q, b, h, limit, x, y, z, s):
         Status and number of steps. SOLVED: ``P x + q + A' y + G' z = 0``, ``A x = b``, ``G x + s = h`` and the gap hold to AIM, or to
         ACCEPTED where rounding allows no more. INFEASIBLE: y and z with ``A' y + G' z = 0`` and ``b' y + h' z = -1``, x and s zero.
         UNBOUNDED: x and s with ``P x = 0``, ``A x = 0``, ``G x + s = 0`` and ``q' x = -1``, y and z zero. ITERATION_LIMIT and STALLED:
-        the best iterate, which is no answer. `objective` and `bound` tell the values of the two objectives.
+        the best iterate and the last one, which are no answers. `objective` and `bound` tell the values of the two objectives.
     """
     k, e, m, t = W[at.KEPT], W[at.EQUAL], W[at.M], W[at.SCALARS]
     K, E, M = W[at.VECTORS_K], W[at.VECTORS_E], W[at.VECTORS_M]
@@ -91,6 +91,7 @@ def solve_plan(W, F, q, b, h, limit, x, y, z, s):
     z[:] = 0.0
     s[:] = 0.0
     status, steps, attempt, outcome = STALLED, 0, 0, NORMAL
+    worst, primal, dual = 1e300, 0.0, 0.0
     # What one floor of the pivots loses in rounding, another hardly ever does.
     while status == STALLED and attempt < len(FLOORS):
         outcome, constant = enter(W, F, q, b, h, K + at.COST * k, E + at.LOAD * e, M + at.LIMIT * m)
@@ -127,6 +128,9 @@ def solve_plan(W, F, q, b, h, limit, x, y, z, s):
                 steps += 1
                 continue
             break
+    if status == STALLED and outcome == NORMAL and worst < 1e300:
+        # Nearer to the end than the best one: where sets have hardly any interior residuals rise before multipliers are large enough.
+        _keep(W, F, primal, dual)
     if outcome == CONTRADICTION:
         status = INFEASIBLE
         leave_contradiction(W, F, y)

@@ -71,14 +71,17 @@ class Session(ConicSession):
         diagonal = data.P.diagonal() if data.P.nnz else np.zeros(form.columns)
         self._plan = conic.prepare(diagonal, A, start, self._column[some], value[some], form.cones.nonneg, self._soc)
 
-    def answer(self) -> KernelSolution:
-        """Solve."""
+    def answer(self) -> ConicSolution:
+        """Solve; where rounding keeps the method from the end, on from there by another one."""
         form, (W, F), s, zero = self.form, self._plan, self._slack, self.form.cones.zero
         x, y = np.empty(form.columns), np.empty(form.rows)
         status, steps = conic.solve(W, F, *self._right, conic.ITERATIONS, x, y[:zero], y[zero:], s)
         if status == conic.SOLVED and not self._holds(x, s):
             status = conic.STALLED
-        return KernelSolution(form, self.data, self.offset, status, steps, x, y, conic.values(W, F))
+        solution = KernelSolution(form, self.data, self.offset, status, steps, x, y, conic.values(W, F))
+        if status not in (conic.SOLVED, conic.STALLED):
+            return solution
+        return self.finish(solution, np.concatenate([np.zeros(zero), s]))
 
     def _holds(self, x: Array, s: Array) -> bool:
         """Whether a solution keeps its constraints in the units of the data, to what is accepted."""

@@ -11,19 +11,19 @@ import math
 
 import numpy as np
 
-from socp_statics.engines.kernel.active_set import EQUATION, classify, optimum
+from socp_statics.engines.kernel.active_set import EQUATION
 from socp_statics.engines.kernel.compilation import entry, inner
-from socp_statics.engines.kernel.five_unknowns import INFEASIBLE, NEW, SOLVED, solve
+from socp_statics.engines.kernel.five_unknowns import INFEASIBLE, SOLVED
 from socp_statics.engines.kernel.friction_points import centre_and_size, full_rank, pad_lanes, unit_wrench, wrench_at_com
 from socp_statics.engines.kernel.lanes import RHS, ROW1, S, U, buffer_size, lane, padded
 from socp_statics.engines.kernel.normal_matrix import factor
+from socp_statics.engines.kernel.settling import settle
 from socp_statics.engines.kernel.starting_point import normal_matrix_of_rows
-from socp_statics.engines.kernel.supports import CLEAR, ROUGH, TOLERANCE, balance_multipliers, keep_multipliers
 
 FINITE, INFINITE, OPEN = range(3)
 # Below this length the sum of the normals' wrenches does not scale a motion.
 BRACED = 1e-6
-ACCEPTED = 1e-8
+ACCEPTED, PRECISE = 1e-8, 1e-10
 WRENCH = 6
 
 
@@ -99,30 +99,6 @@ def motion_holds(wrenches, y):
     return worst / size
 
 
-@inner
-def _settle(X, points, factors, q, states, equations, guess, u, held):
-    """Solve the margin program: roughly by the interior-point method, then by Newton's, or to the end where that does not hold.
-
-    Returns:
-        Status of the program.
-    """
-    n = points.shape[0]
-    status, _, begun = solve(X, padded(n), float(n), 0.0, factors, q, guess, ROUGH, NEW)
-    if status == SOLVED:
-        classify(X, n, points, CLEAR, states)
-        keep_multipliers(X, n, held)
-        for j in range(5):
-            u[j] = guess[j]
-        if optimum(X, n, points, q, states, equations, u, held):
-            return SOLVED
-        status, _, _ = solve(X, padded(n), float(n), 0.0, factors, q, guess, TOLERANCE, begun)
-    balance_multipliers(X, n, factors, q)
-    keep_multipliers(X, n, held)
-    for j in range(5):
-        u[j] = guess[j]
-    return status
-
-
 @inner(inline="always")
 def reserve(X, points, wrenches, a, N, factors, load, q, states, equations, guess, u, motion, forces):
     """The margin of one load.
@@ -157,7 +133,7 @@ def reserve(X, points, wrenches, a, N, factors, load, q, states, equations, gues
         q[j] = 0.0
         for i in range(6):
             q[j] -= N[i, j] * load[i]
-    status = _settle(X, points, factors, q, states, equations, guess, u, forces.reshape(3 * n))
+    status, _, exact = settle(X, n, points, 0.0, factors, q, states, equations, guess, u, forces.reshape(3 * n))
     if status != SOLVED and status != INFEASIBLE:
         return OPEN, 0.0, 0.0
     bound = start
@@ -185,12 +161,14 @@ def reserve(X, points, wrenches, a, N, factors, load, q, states, equations, gues
         # Forces that grow without end and stay inside: they prove themselves.
         settled = margin > 1.0 and worst <= 0.0 and largest < 1e12
         return (INFINITE if settled else OPEN), math.inf, worst
-    if not abs(margin - bound) <= ACCEPTED * (1.0 + abs(bound)):
+    # What Newton's method did not take to rounding has to say how near it is.
+    near = ACCEPTED if exact else PRECISE
+    if not abs(margin - bound) <= near * (1.0 + abs(bound)):
         return OPEN, margin, worst
     if margin < 0.0:
         held = motion_holds(wrenches, motion)
-        return (FINITE if held <= ACCEPTED else OPEN), margin, held
-    return (FINITE if worst <= ACCEPTED else OPEN), margin, worst
+        return (FINITE if held <= near else OPEN), margin, held
+    return (FINITE if worst <= near else OPEN), margin, worst
 
 
 @entry("Tuple((int64[::1], float64[::1], float64[:,::1], float64[:,::1]))(float64[:,::1], int64[::1], int64[::1], float64[:,::1])")

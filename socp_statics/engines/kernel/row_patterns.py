@@ -1,7 +1,7 @@
 """Rows of cones, bounds and limits for the general method; contacts of a kind share them, wherever they are.
 
     g x <= h    frictionless points, box soft fingers and pyramids, with h = 0; bounds of normal forces; limits of grips and torques
-    |(f_t, (mu / gamma) m_n)| <= mu f_n    points with friction, elliptic soft fingers
+    |(f_t, (mu / gamma) m_n)| <= mu f_n    points with friction, elliptic soft fingers; over mu where it is below 1
 
 Torques are unknowns of their own, behind the forces.
 """
@@ -75,8 +75,9 @@ def _flat_rows(key: Cones, n: int) -> list[Array]:
     if boxes:
         spin = np.zeros((2, boxes, n))
         each = np.arange(boxes)
-        spin[0, each, turning + each], spin[1, each, turning + each] = 1.0, -1.0
-        spin[:, each, first + circular - boxes + each] = -torsion[:boxes]
+        # In units of the normal force, like everything else that is compared with a tolerance.
+        spin[0, each, turning + each], spin[1, each, turning + each] = 1.0 / torsion[:boxes], -1.0 / torsion[:boxes]
+        spin[:, each, first + circular - boxes + each] = -1.0
         out.append(spin.reshape(-1, n))
     if not cone.is_exact:
         assert cone.sides is not None
@@ -126,8 +127,10 @@ def _round_rows(key: Cones, n: int) -> tuple[Array, NDArray[np.int64]]:
     rows = np.zeros((3 * slipping + key.elliptic, n))
     each = np.arange(slipping)
     head = 3 * each + np.maximum(each - circular, 0)
-    rows[head, 2 * slipping + each] = -friction
-    rows[head + 1, 2 * each] = rows[head + 2, 2 * each + 1] = -1.0
+    # What misses a cone by little has a normal force that misses zero by as little, however small the friction is.
+    unit = np.maximum(1.0, 1.0 / friction)
+    rows[head, 2 * slipping + each] = -friction * unit
+    rows[head + 1, 2 * each] = rows[head + 2, 2 * each + 1] = -unit
     turning = 3 * slipping + key.frictionless + key.box
-    rows[head[circular:] + 3, turning + np.arange(key.elliptic)] = -friction[circular:] / torsion[key.box :]
+    rows[head[circular:] + 3, turning + np.arange(key.elliptic)] = -(friction * unit)[circular:] / torsion[key.box :]
     return rows, np.array([3] * circular + [4] * key.elliptic, dtype=np.int64)
