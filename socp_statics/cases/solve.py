@@ -22,8 +22,8 @@ from socp_statics.registry import nearest
 DISTRIBUTIONS = ("numpy", "scipy", "cvxpy-base", "clarabel", "numba")
 KINEMATICS = "pin"
 KEY_ORDER = (
-    "schema", "problem", "model", "hash", "sweep", "case", "status", "verdict", "reason", "strong", "strong_by", "cone", "objective", "margin",
-    "idle", "idle_margin", "com_margin", "wrenches", "forces", "torques", "torque_limits", "region", "following", "capability",
+    "schema", "problem", "model", "hash", "sweep", "case", "status", "verdict", "reason", "strong", "strong_by", "cone", "objective",
+    "margin", "idle", "idle_margin", "com_margin", "wrenches", "forces", "torques", "torque_limits", "region", "following", "capability",
     "distribution", "window", "certificate", "strong_witness", "prices", "safety", "simple_test", "optimized", "residuals", "expect",
     "engine", "handovers", "versions",
 )  # fmt: skip
