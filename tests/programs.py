@@ -24,6 +24,7 @@ from socp_statics.models import MODELS
 from socp_statics.models.capability import CapabilityShape
 from socp_statics.models.contact_forces import ContactForcesShape
 from socp_statics.models.contact_forces_set import force_shape, force_values
+from socp_statics.models.disturbance import DisturbanceShape
 from socp_statics.models.hard_rows import hard_values
 from socp_statics.models.minimax_wrench import MinimaxShape
 from socp_statics.models.orin_oh import OrinOhShape
@@ -33,6 +34,7 @@ from socp_statics.models.support_region import RegionShape
 from socp_statics.models.torque_feasibility import TorqueShape
 from socp_statics.optimization.force_rows import force_rows, groups
 from socp_statics.optimization.minimax_wrench import MEASURES, measured
+from socp_statics.stability.robustness.load_slice import resultant_map
 from socp_statics.statics import assemble, wrench_range
 
 UP = (0.0, 0.0, 1.0)
@@ -214,6 +216,15 @@ def _capability(data, reach, shape, values):
     return {"capped" if cap else "open": (CapabilityShape(shape, cap), values | more) for cap in (False, True)}
 
 
+def _disturbance(data, reach, shape, values):
+    """Pushes at a point above the contacts, in two coordinates that the contacts can resist; with limited sums of forces too."""
+    point, axes = np.array([0.2, -0.1, 0.6]), np.array([[0.8, 0.1], [0.2, -0.7], [0.1, 0.3]])
+    B = reach.basis.T @ np.vstack([axes, np.cross(point, axes.T).T])
+    more = {"B": B, "R": 0.1 * np.sin(np.arange(2 * shape.limits)).reshape(-1, 2), "clip": 3.0, "direction": np.array([0.6, -0.8])}
+    few = more | {"F_contact": resultant_map(data), "total": 3.0}
+    return {"free": (DisturbanceShape(shape, 2, 0), values | more), "total": (DisturbanceShape(shape, 2, len(data.names)), values | few)}
+
+
 def _hard_rows(data, reach, shape, values):
     return {"": hard_values(data, reach.basis)}
 
@@ -229,6 +240,7 @@ BUILDERS = {
     "support_region": _region,
     "contact_load": _load,
     "largest_reserve": _reserve,
+    "disturbance": _disturbance,
     "hard_rows": _hard_rows,
     "capability": _capability,
     "torque_feasibility": _torques,
@@ -252,6 +264,7 @@ VARIANTS = {
     "minimax_wrench": MEASURES,
     "support_region": ("clipped", "open"),
     "capability": ("open", "capped"),
+    "disturbance": ("free", "total"),
     "orin_oh": ("joints", "no joints"),
     "posture_optimization": ("margin", "torque", "com_margin"),
 }

@@ -24,8 +24,8 @@ KINEMATICS = "pin"
 KEY_ORDER = (
     "schema", "problem", "model", "hash", "sweep", "case", "status", "verdict", "reason", "strong", "strong_by", "cone", "objective",
     "margin", "idle", "idle_margin", "com_margin", "wrenches", "forces", "torques", "torque_limits", "region", "following", "capability",
-    "distribution", "window", "certificate", "strong_witness", "prices", "safety", "simple_test", "optimized", "residuals", "expect",
-    "engine", "handovers", "versions",
+    "distribution", "window", "certificate", "strong_witness", "prices", "safety", "simple_test", "robustness", "optimized", "residuals",
+    "expect", "engine", "handovers", "versions",
 )  # fmt: skip
 
 

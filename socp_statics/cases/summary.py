@@ -12,6 +12,7 @@ from socp_statics.cases.answers.simple_test import simple_test_lines
 from socp_statics.cases.distribution_words import distribution_lines, window_lines
 from socp_statics.cases.optimized_words import optimized_lines
 from socp_statics.cases.price_words import price_lines
+from socp_statics.cases.robustness_words import robustness_lines
 from socp_statics.certificates.reading import direction_words
 
 SHOWN_JOINTS = 3
@@ -60,6 +61,8 @@ def summary_lines(record: Mapping[str, Any]) -> list[tuple[str, str]]:
     if "safety" in record:
         lines.append(("safety", _safety(record["safety"])))
     lines += simple_test_lines(record)
+    if "robustness" in record:
+        lines += [("robustness", line) for line in robustness_lines(record)]
     if "keyframes" in record:
         lines.append(("keyframes", _keyframes(record)))
     if record["certificate"]:

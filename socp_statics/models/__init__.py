@@ -14,6 +14,7 @@ for _name, _line in (
     ("contact_load", "largest normal force of one contact over all horizontal CoM positions"),
     ("hard_rows", "least relaxation with which balance, handle limits and torque limits can be met"),
     ("posture_optimization", "how far a small motion of the posture raises its margin, or eases its torques"),
+    ("disturbance", "largest disturbance of the load along a direction that can be balanced"),
     ("largest_reserve", "largest margin over all horizontal CoM positions"),
 ):
     MODELS.add(_name, _line, f"socp_statics.models.{_name}:MODEL")

@@ -22,6 +22,7 @@ QUESTIONS = {
     "torque_feasibility": ("minimise", "s", "the worst share of a torque limit; feasible exactly where s <= 1"),
     "wrench_distribution": ("minimise", "sum_k |F_k|^2_W", "closed forms ignore the cones; programs keep them"),
     "internal_force_window": ("maximise", "d' s", "one program for each direction d; s are the internal forces"),
+    "robustness": ("maximise", "d' z", "one program for each direction d of disturbances z of the load, between an inner and an outer set"),
     "posture_optimization": ("maximise", "t", "the margin over forces and postures; here at the given posture, then step by step"),
 }
 OBJECTIVES = {
@@ -116,7 +117,7 @@ def _movable(stance: Stance, parameters: Mapping[str, Any]) -> str:
 
 
 def _balance(model: str, shape: ForceShape, data: StaticsData) -> tuple[str, str]:
-    load = {"support_region": "L + D c", "capability": "w P + L"}.get(model, "L")
+    load = {"support_region": "L + D c", "capability": "w P + L", "robustness": "L + B z"}.get(model, "L")
     dropped = f", {6 - shape.rows} that no contact force reaches left out" if shape.rows < 6 else ""
     return f"G x + {load} = 0", f"{shape.rows} balance rows{dropped}"
 

@@ -22,9 +22,10 @@ from socp_statics.exceptions import EngineError
 from socp_statics.models.capability import MODEL, CapabilityShape
 from socp_statics.models.contact_forces_set import force_shape, force_values
 from socp_statics.optimization.force_answer import ACCEPTED
-from socp_statics.optimization.unit_load import UnitLoad, limit_relief, unit_load, with_load
+from socp_statics.optimization.unit_load import UnitLoad, unit_load
 from socp_statics.stability import EquilibriumAnswer, check_equilibrium
 from socp_statics.statics import PointForces, StaticsData, assemble, point_forces, wrench_range
+from socp_statics.statics.added_load import limit_relief, with_load
 from socp_statics.statics.joint_torques import torques_by_name
 
 # How far beyond the largest load its motion is certified, as a share of it or of W.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -97,29 +97,3 @@ def unit_load(stance: Stance, kind: str, link: Any, point: Any, direction: Any) 
             raise InputError(f"link of the {kind}: {error}", name=str(link), field=kind) from error
         at = origin if point is None else vector(kind, "point", point, 3, kind="load")
     return UnitLoad(kind, link, at, along / np.linalg.norm(along), newtons)
-
-
-def with_load(data: StaticsData, P: Array, relief: Array, torque: Array, w: float) -> StaticsData:
-    """The arrays of a stance that also carries w scaled units of a load.
-
-    Args:
-        data: The stance's arrays.
-        P: Wrench of one unit, shape (6,).
-        relief: What one unit adds to the values of the limits, shape (nl,).
-        torque: What one unit takes from the joint torques, shape (n,).
-        w: How much.
-    """
-    torques = data.torques._replace(passive=data.torques.passive - w * torque) if len(torque) else data.torques
-    return replace(data, load=data.load + w * P, limit_values=data.limit_values + w * relief, torques=torques)
-
-
-def limit_relief(data: StaticsData, torque: Array) -> Array:
-    """What one unit of a load adds to the values of the hard rows: nothing to handles, its torque to upper and lower limits.
-
-    Args:
-        data: The stance's arrays.
-        torque: What one unit takes from the joint torques, shape (n,).
-    """
-    limits = data.torques.limits
-    ends = [torque[np.isfinite(limits[:, 1])], -torque[np.isfinite(limits[:, 0])]] if data.torques.limited else []
-    return np.concatenate([np.zeros(data.handle_limits), *ends])

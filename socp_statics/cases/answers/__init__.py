@@ -43,3 +43,8 @@ ANSWERS.add(
     "how much internal force keeps every contact in its cone and every torque in its limit",
     f"{_HERE}.internal_force_window:ANSWER",
 )
+ANSWERS.add(
+    "robustness",
+    "how much may go wrong before it no longer holds: pushes, CoM, tilt, friction, mass, contact placement",
+    f"{_HERE}.robustness:ANSWER",
+)

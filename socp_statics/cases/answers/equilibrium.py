@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import Field, ValidationInfo, field_validator
 
-from socp_statics.cases.answers.answer import RECORD_KEYS, Answer, Many, Parameters
-from socp_statics.cases.answers.safety import SAFETY_KEYS, safety_verdict
+from socp_statics.cases.answers.answer import RECORD_KEYS, Answer, Many
+from socp_statics.cases.answers.robustness_keys import ROBUSTNESS_KEYS
+from socp_statics.cases.answers.safety import SAFETY_KEYS, SafetyParameters, safety_verdict
 from socp_statics.cases.answers.simple_test import SIMPLE_TEST_KEYS, simple_tests
 from socp_statics.cases.answers.strong_stability import STRONG_KEYS, strong_keys
 from socp_statics.exceptions import InputError
@@ -21,12 +22,12 @@ if TYPE_CHECKING:
     from socp_statics.stability import EquilibriumAnswer
 
 
-class EquilibriumParameters(Parameters):
+class EquilibriumParameters(SafetyParameters):
     """``[parameters]`` of an equilibrium problem."""
 
-    safety: float | None = Field(None, ge=0, description="a finite length >= 0 [m]")
     simple_test: bool | None = Field(None, description="true or false")
     strong: bool | None = Field(None, description="true or false")
+    robustness: bool | None = Field(None, description="true or false")
     prices: bool | None = Field(None, description="true or false: whether the record says what friction, limits and places are worth")
 
     @field_validator("strong")
@@ -89,7 +90,7 @@ def verdict_keys(answer: EquilibriumAnswer, stance: Stance, prices: bool = True)
 
 
 def answer(problem: Problem, stance: Stance, engine: str | Sequence[str]) -> dict[str, Any]:
-    """Verdict, margin and certificate; with ``safety`` the verdict against the offset, with ``simple_test`` that of two inverses.
+    """Verdict, margin and certificate; also, where asked for, against a ``safety`` offset, a ``simple_test`` by inverses, ``robustness``.
 
     With ``strong`` also strong stability.
 
@@ -118,6 +119,11 @@ def _keys(problem: Problem, stance: Stance, engine: str | Sequence[str], found: 
         keys["safety"] = safety_verdict(stance, region.com_margin, stated["safety"])
     if stated.get("simple_test"):
         keys["simple_test"] = simple_tests(stance, cone)
+    if stated.get("robustness"):
+        from socp_statics.stability.robustness import measure_robustness
+
+        measured = measure_robustness(stance, cone=cone, form=stated["form"], engine=engine)
+        keys["robustness"] = measured.as_record()
     return keys
 
 
@@ -148,7 +154,7 @@ def answers(problems: Sequence[Problem], stances: Sequence[Stance], engine: str 
 ANSWER = Answer(
     EquilibriumParameters,
     answer,
-    RECORD_KEYS | SAFETY_KEYS | SIMPLE_TEST_KEYS | STRONG_KEYS,
+    RECORD_KEYS | SAFETY_KEYS | SIMPLE_TEST_KEYS | STRONG_KEYS | ROBUSTNESS_KEYS,
     follows_com=True,
     many=Many(friction_only, answers),
 )

@@ -4,10 +4,20 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from pydantic import Field
+
+from socp_statics.cases.answers.answer import Parameters
+
 if TYPE_CHECKING:
     from socp_statics.contacts import Stance
 
 SAFETY_KEYS: dict[str, Any] = {"safety": {"offset": None, "in_region": None, "in_base": None}}
+
+
+class SafetyParameters(Parameters):
+    """``[parameters]`` of the models that may be asked for a safety zone."""
+
+    safety: float | None = Field(None, ge=0, description="a finite length >= 0 [m]")
 
 
 def safety_verdict(stance: Stance, com_margin: float | None, offset: float) -> dict[str, Any]:

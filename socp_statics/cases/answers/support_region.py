@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 from pydantic import Field
 
 from socp_statics.cases.answers.answer import BY_JOINT, PRICE_KEYS, RECORD_KEYS, VECTOR, Answer, Many
-from socp_statics.cases.answers.equilibrium import EquilibriumParameters, friction_only, price_keys, verdict_keys
-from socp_statics.cases.answers.safety import SAFETY_KEYS, safety_verdict
+from socp_statics.cases.answers.equilibrium import friction_only, price_keys, verdict_keys
+from socp_statics.cases.answers.safety import SAFETY_KEYS, SafetyParameters, safety_verdict
 
 if TYPE_CHECKING:
     from socp_statics.cases.problem import Problem
@@ -39,9 +39,10 @@ REGION_KEYS: dict[str, Any] = {
 }
 
 
-class SupportRegionParameters(EquilibriumParameters):
+class SupportRegionParameters(SafetyParameters):
     """``[parameters]`` of a support region."""
 
+    prices: bool | None = Field(None, description="true or false: whether the record says what friction, limits and places are worth")
     tolerance: float = Field(1e-3, gt=0, lt=1, description="a number > 0 and < 1: (outer area - inner area) / outer area")
 
 
