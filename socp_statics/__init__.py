@@ -72,6 +72,7 @@ _HOMES = {
     "lumped_torque": "statics",
     "torque_components": "statics.torque_components",
     "measure_robustness": "stability.robustness",
+    "check_push_rule": "stability.robustness",
     "posture_types": "statics.posture_types",
     "load_problem": "cases.problem",
     "solve": "cases.solve",
@@ -157,6 +158,7 @@ if TYPE_CHECKING:
     from socp_statics.statics import mixed_jacobian as mixed_jacobian
     from socp_statics.statics import net_wrench as net_wrench
     from socp_statics.statics import static_torque as static_torque
+    from socp_statics.stability.robustness import check_push_rule as check_push_rule
     from socp_statics.stability.robustness import measure_robustness as measure_robustness
     from socp_statics.statics.posture_types import posture_types as posture_types
     from socp_statics.statics.torque_components import torque_components as torque_components

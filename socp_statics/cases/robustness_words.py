@@ -14,6 +14,8 @@ MEANINGS = {
     "friction": "friction needed, as a multiple of what there is",
     "friction_interval": "least margin over the friction intervals",
     "mass_and_com": "ellipsoid of errors of mass and first moment, as a multiple of the one given",
+    "push_ellipsoid": "largest ellipsoid of horizontal pushes at {point} m, mean radius",
+    "push_rule": "pushed in any horizontal direction at {point} m, forces by an affine rule",
     "placement": "every contact displaced in any direction",
 }
 SCALED = {"m": (1e3, "mm"), "1": (1.0, "")}

@@ -15,6 +15,9 @@ for _name, _line in (
     ("hard_rows", "least relaxation with which balance, handle limits and torque limits can be met"),
     ("posture_optimization", "how far a small motion of the posture raises its margin, or eases its torques"),
     ("disturbance", "largest disturbance of the load along a direction that can be balanced"),
+    ("force_rule", "largest ball of disturbances that forces hold by an affine rule"),
+    ("rule_check", "whether an affine force rule keeps every cone, exactly, by the S-lemma"),
+    ("inscribed_ellipsoid", "largest ellipsoid inside a polytope of loads that can be balanced"),
     ("largest_reserve", "largest margin over all horizontal CoM positions"),
 ):
     MODELS.add(_name, _line, f"socp_statics.models.{_name}:MODEL")

@@ -35,7 +35,9 @@ class ConicModel:
     Attributes:
         name: Name in the registry.
         declare: Shape -> Program.
+        semidefinite: Whether its programs have semidefinite cones in every form.
     """
 
     name: str
     declare: Callable[[Any], Program]
+    semidefinite: bool = False

@@ -5,7 +5,8 @@ from typing import Any
 from socp_statics.cases.answers.answer import RECORD_KEYS, VECTOR
 
 # In the order of `stability.robustness.MEASURES`, which needs a solver to be imported.
-MEASURES = ("push", "force", "wrench", "com", "tilt", "friction", "friction_interval", "mass_and_com", "placement")
+MEASURES = ("push", "force", "wrench", "com", "tilt", "friction", "friction_interval", "mass_and_com", "placement",
+            "push_ellipsoid", "push_rule")  # fmt: skip
 DEFAULT_MEASURES = ("push", "force", "com", "tilt", "friction", "placement")
 
 MEASURE_KEYS: dict[str, Any] = {
@@ -23,5 +24,12 @@ MORE_KEYS: dict[str, dict[str, Any]] = {
     "friction_interval": {"verdicts": {"lower": None, "upper": None}},
     "mass_and_com": {"shape": [VECTOR]},
     "placement": {"fails": None},
+    "push_ellipsoid": {"point": VECTOR, "link": None, "centre": VECTOR, "semi_axes": [VECTOR]},
+    "push_rule": {
+        "point": VECTOR,
+        "link": None,
+        "slack": None,
+        "rule": [{"contact": None, "point": VECTOR, "force": VECTOR, "moment": VECTOR, "force_gain": [VECTOR], "moment_gain": [VECTOR]}],
+    },
 }
 ROBUSTNESS_KEYS: dict[str, Any] = {"robustness": {name: MEASURE_KEYS | MORE_KEYS.get(name, {}) for name in MEASURES}}

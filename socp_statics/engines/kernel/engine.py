@@ -127,8 +127,8 @@ class KernelEngine(ConicEngine):
     session = Session
 
     def accepts(self, model: ConicModel | None, form: str) -> bool:
-        """Every model as a second-order cone program."""
-        return form != "sdp"
+        """Every model as a second-order cone program, where it is one."""
+        return form != "sdp" and (model is None or not model.semidefinite)
 
     def form_of(self, model: ConicModel, shape: Any) -> ConicForm:
         """The canonical form of a model's program for a shape.

@@ -4,4 +4,5 @@ from socp_statics.stability.robustness.assess import DEFAULT_MEASURES as DEFAULT
 from socp_statics.stability.robustness.assess import MEASURES as MEASURES
 from socp_statics.stability.robustness.assess import RobustnessAnswer as RobustnessAnswer
 from socp_statics.stability.robustness.assess import measure_robustness as measure_robustness
+from socp_statics.stability.robustness.given_rule import check_push_rule as check_push_rule
 from socp_statics.stability.robustness.measure import Measure as Measure

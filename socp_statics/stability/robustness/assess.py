@@ -17,10 +17,12 @@ from socp_statics.registry import nearest
 from socp_statics.spatial import Array
 from socp_statics.stability.equilibrium import EquilibriumAnswer, check_equilibrium
 from socp_statics.stability.robustness.ball import Settings, largest_ball, largest_tilt
-from socp_statics.stability.robustness.disturbances import HORIZONTAL, com_errors, mass_errors, pushes, wrenches
+from socp_statics.stability.robustness.disturbances import HORIZONTAL, Disturbance, com_errors, mass_errors, pushes, wrenches
+from socp_statics.stability.robustness.ellipsoid import push_ellipsoid
 from socp_statics.stability.robustness.friction import critical_friction, friction_interval
 from socp_statics.stability.robustness.measure import Measure, listed, no_reserve
 from socp_statics.stability.robustness.placement import contact_placement
+from socp_statics.stability.robustness.push_rule import push_rule, rule_measure
 from socp_statics.statics import StaticsData, assemble
 
 UNITS = {
@@ -33,6 +35,8 @@ UNITS = {
     "friction_interval": "N",
     "mass_and_com": "1",
     "placement": "m",
+    "push_ellipsoid": "N",
+    "push_rule": "N",
 }
 MEASURES = tuple(UNITS)
 DEFAULT_MEASURES = ("push", "force", "com", "tilt", "friction", "placement")
@@ -69,6 +73,8 @@ class RobustnessAnswer:
         """The record's ``robustness``."""
         more: dict[str, dict[str, Any]] = {
             "push": {"point": listed(self.point), "link": self.link},
+            "push_ellipsoid": {"point": listed(self.point), "link": self.link},
+            "push_rule": {"point": listed(self.point), "link": self.link},
             "wrench": {"length": self.length},
             "mass_and_com": {"shape": [listed(row) for row in self.shape]},
         }
@@ -105,7 +111,9 @@ def measure_robustness(
         measures: Of ``push`` (any horizontal force at the point [N]), ``force`` (any force at the centre of mass [N]), ``wrench`` (any
             wrench about it, moments over ``length`` [N]), ``com`` (any displacement of the centre of mass [m]), ``tilt`` (of gravity in
             any direction [deg]), ``friction`` (smallest common scale of all coefficients that holds), ``friction_interval`` (least margin
-            over intervals [N]), ``mass_and_com`` (largest scaling of an ellipsoid in (m, m c)), ``placement`` (of every contact [m]).
+            over intervals [N]), ``mass_and_com`` (largest scaling of an ellipsoid in (m, m c)), ``placement`` (of every contact [m]),
+            ``push_ellipsoid`` (geometric mean of the semi-axes of the largest ellipsoid of horizontal pushes at the point, wherever its
+            centre [N]), ``push_rule`` (as ``push``, by forces ``f_0 + F u`` [N]); the last two are semidefinite programs.
         point: Where pushes act, world axes, shape (3,) [m]; the centre of mass by default.
         link: Link of the robot they act on; the base by default. Their torques count where torque limits do.
         length: Characteristic length of wrenches [m].
@@ -232,8 +240,13 @@ class _Question:
                 return largest_tilt(stance, data, settings)
             case "placement":
                 return self._placement(found)
+            case "push_ellipsoid":
+                return push_ellipsoid(name, unit, data, self._pushes, settings)
+            case "push_rule":
+                disc = found.get("push") or self._measure("push", found)
+                return rule_measure(name, unit, push_rule(data, self._pushes, settings), disc, settings.tolerance)
             case "push":
-                what = pushes(stance, data, self.point, self.link, HORIZONTAL)
+                what = self._pushes
             case "force":
                 what = pushes(stance, data, np.array(stance.com), None, np.eye(3))
             case "wrench":
@@ -243,6 +256,10 @@ class _Question:
             case _:
                 what = mass_errors(stance, data, self.shape)
         return largest_ball(name, unit, data, what, settings)
+
+    @property
+    def _pushes(self) -> Disturbance:
+        return pushes(self.stance, self.data, self.point, self.link, HORIZONTAL)
 
     def _placement(self, found: Mapping[str, Measure]) -> Measure:
         if self.stance.torque_limits is not None:

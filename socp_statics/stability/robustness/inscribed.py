@@ -33,16 +33,12 @@ class Inscribed(NamedTuple):
     Attributes:
         lower: The shape of this size is inside a polytope whose corners are attained; inf where all disturbances can be balanced.
         upper: A larger one leaves a half-space that holds every disturbance that can be balanced.
-        tightest: That half-space; None where the size has no end, or where no contact force resists some direction.
-        points: Attained disturbances, shape (n, k).
-        planes: Half-spaces, normals and offsets, shapes (n, k) and (n,).
+        tightest: That half-space; None where the size has no end.
     """
 
     lower: float
     upper: float
     tightest: Support | None
-    points: Array
-    planes: tuple[Array, Array]
 
 
 def distances(normals: Array, offsets: Array) -> Array:
@@ -82,9 +78,10 @@ def largest_inscribed(slice_: LoadSlice, gauge: Gauge, tolerance: float, queries
         EngineError: The engine did not settle a program.
     """
     k = slice_.coordinates
-    supports = [slice_.support(axis) for axis in np.vstack([np.eye(k), -np.eye(k)])]
-    if min(s.height for s in supports) >= 0.999 * FAR and slice_.endless():
-        return Inscribed(np.inf, np.inf, None, _points(supports), _planes(supports))
+    axes = np.vstack([np.eye(k), -np.eye(k)])
+    supports = [slice_.support(axis) for axis in axes]
+    if min(s.height for s in supports) >= 0.999 * FAR and slice_.endless(axes):
+        return Inscribed(np.inf, np.inf, None)
     lower = 0.0
     while True:
         upper, _ = _tightest(supports, gauge)
@@ -92,26 +89,26 @@ def largest_inscribed(slice_: LoadSlice, gauge: Gauge, tolerance: float, queries
         if NOTHING < near < DRAWN_IN * slice_.clip:
             slice_.clip_at(CLOSE * near)
             supports = [s if float(np.linalg.norm(s.point)) <= slice_.clip else slice_.support(s.direction) for s in supports]
-        normals, offsets = _facets(slice_, supports)
+        normals, offsets = inner_facets(slice_, supports)
         upper, tightest = _tightest(supports, gauge)
         if normals is None:
-            return Inscribed(min(lower, upper), upper, tightest, _points(supports), _planes(supports))
+            return Inscribed(min(lower, upper), upper, tightest)
         sizes = gauge(normals, offsets) if len(normals) else np.zeros(1)
         lower = max(float(sizes.min()), lower)
         if upper <= NOTHING:
-            return Inscribed(0.0, max(upper, 0.0), tightest, _points(supports), _planes(supports))
+            return Inscribed(0.0, max(upper, 0.0), tightest)
         wanting = np.flatnonzero(sizes < (1.0 - tolerance) * upper)
         if not len(wanting) or slice_.queries >= queries:
-            return Inscribed(min(lower, upper), upper, tightest, _points(supports), _planes(supports))
-        asked = _planes(supports)[0]
+            return Inscribed(min(lower, upper), upper, tightest)
+        asked = outer_planes(supports)[0]
         fresh = [i for i in _apart(normals, wanting[np.argsort(sizes[wanting], kind="stable")]) if not _among(asked, normals[i])]
         supports += [slice_.support(normals[i]) for i in fresh]
         if not fresh:
-            return Inscribed(min(lower, upper), upper, tightest, _points(supports), _planes(supports))
+            return Inscribed(min(lower, upper), upper, tightest)
 
 
 def _tightest(supports: list[Support], gauge: Gauge) -> tuple[float, Support]:
-    sizes = gauge(*_planes(supports))
+    sizes = gauge(*outer_planes(supports))
     best = int(np.argmin(sizes))
     return float(sizes[best]), supports[best]
 
@@ -120,7 +117,8 @@ def _points(supports: list[Support]) -> Array:
     return np.array([s.point for s in supports])
 
 
-def _planes(supports: list[Support]) -> tuple[Array, Array]:
+def outer_planes(supports: list[Support]) -> tuple[Array, Array]:
+    """Half-spaces that hold every disturbance that can be balanced, unit normals and offsets."""
     return np.array([s.direction for s in supports]), np.array([s.height for s in supports])
 
 
@@ -140,7 +138,7 @@ def _apart(normals: Array, order: NDArray[np.int_]) -> list[int]:
     return chosen
 
 
-def _facets(slice_: LoadSlice, supports: list[Support]) -> tuple[Array | None, Array]:
+def inner_facets(slice_: LoadSlice, supports: list[Support]) -> tuple[Array | None, Array]:
     """Facets of the inner polytope, unit normals and offsets.
 
     No facets where the set is flat, whose sides are then among the supports; None where rounding keeps the polytope from being built.

@@ -25,6 +25,7 @@ OUT_OF_REACH = 1e-9
 FAR = 1e3
 # How far beyond the limit its motion is certified, as a share of the limit or of W.
 BEYOND = 1e-4
+ENDLESS = 1e-6
 
 
 class Support(NamedTuple):
@@ -121,14 +122,16 @@ class LoadSlice:
         duals = support.solution.duals
         return motion_certificate(at, self.cone, motion_of(at, self._basis @ duals["balance"], duals.get("limits")))
 
-    def endless(self) -> bool:
-        """Whether every disturbance can be balanced: without load, and with bounds and limits of zero, forces grow with it without end."""
+    def endless(self, directions: Array) -> bool:
+        """Whether disturbances along all of some unit directions can grow without end.
+
+        Without load, and with bounds and limits of zero, forces that balance a disturbance may be multiplied by anything.
+        """
         bounds = np.where(np.isfinite(self.data.bounds), 0.0, self.data.bounds)
         free = replace(self.data, load=np.zeros(6), bounds=bounds, limit_values=np.zeros_like(self.data.limit_values))
         cone = LoadSlice(free, self.disturbance, self.cone, self.form, self.engine)
         cone.clip_at(1.0)
-        axes = np.vstack([np.eye(self.coordinates), -np.eye(self.coordinates)])
-        return all(float(axis @ cone.support(axis).point) > 1.0 - 1e-6 for axis in axes)
+        return all(float(direction @ cone.support(direction).point) > 1.0 - ENDLESS for direction in directions)
 
 
 def resultant_map(data: StaticsData) -> Array:
