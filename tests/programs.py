@@ -25,11 +25,14 @@ from socp_statics.models.capability import CapabilityShape
 from socp_statics.models.contact_forces import ContactForcesShape
 from socp_statics.models.contact_forces_set import force_shape, force_values
 from socp_statics.models.disturbance import DisturbanceShape
+from socp_statics.models.force_rule import RuleShape
 from socp_statics.models.hard_rows import hard_values
+from socp_statics.models.inscribed_ellipsoid import EllipsoidShape, padded
 from socp_statics.models.minimax_wrench import MinimaxShape
 from socp_statics.models.orin_oh import OrinOhShape
 from socp_statics.models.posture_optimization import PostureStepShape
 from socp_statics.models.repeated_forces import block_rows, repeated_forces
+from socp_statics.models.rule_check import RuleCheckShape
 from socp_statics.models.support_region import RegionShape
 from socp_statics.models.torque_feasibility import TorqueShape
 from socp_statics.optimization.force_rows import force_rows, groups
@@ -216,13 +219,39 @@ def _capability(data, reach, shape, values):
     return {"capped" if cap else "open": (CapabilityShape(shape, cap), values | more) for cap in (False, True)}
 
 
-def _disturbance(data, reach, shape, values):
-    """Pushes at a point above the contacts, in two coordinates that the contacts can resist; with limited sums of forces too."""
+def _pushes(data, reach, shape):
+    """Pushes at a point above the contacts in two coordinates, as far as the contacts can resist them."""
     point, axes = np.array([0.2, -0.1, 0.6]), np.array([[0.8, 0.1], [0.2, -0.7], [0.1, 0.3]])
     B = reach.basis.T @ np.vstack([axes, np.cross(point, axes.T).T])
-    more = {"B": B, "R": 0.1 * np.sin(np.arange(2 * shape.limits)).reshape(-1, 2), "clip": 3.0, "direction": np.array([0.6, -0.8])}
+    return {"B": B, "R": 0.1 * np.sin(np.arange(2 * shape.limits)).reshape(-1, 2)}
+
+
+def _disturbance(data, reach, shape, values):
+    """One direction of pushes; with limited sums of forces too."""
+    more = _pushes(data, reach, shape) | {"clip": 3.0, "direction": np.array([0.6, -0.8])}
     few = more | {"F_contact": resultant_map(data), "total": 3.0}
     return {"free": (DisturbanceShape(shape, 2, 0), values | more), "total": (DisturbanceShape(shape, 2, len(data.names)), values | few)}
+
+
+def _force_rule(data, reach, shape, values):
+    return {"": (RuleShape(shape._replace(joints=0), 2), values | _pushes(data, reach, shape) | {"cap": 3.0})}
+
+
+def _rule_check(data, reach, shape, values):
+    """Quadratics of as many cones as there are points with friction, most of them nonnegative on the disc."""
+    rows = np.sin(np.arange(1, 9 * max(data.slipping, 1) + 1)).reshape(-1, 3, 3)
+    return {"": (RuleCheckShape(len(rows), 2), {"Q": np.vstack([2.0 * np.outer(r[0], r[0]) + np.eye(3) - r[1:].T @ r[1:] for r in rows])})}
+
+
+def _inscribed_ellipsoid(data, reach, shape, values):
+    """Inside the half-spaces of as many directions as there are unknowns, in the plane and in space."""
+    out = {}
+    for name, k in (("plane", 2), ("space", 3)):
+        normals = np.vstack([np.eye(k), -np.eye(k), np.sin(np.arange(k * data.wrench_map.shape[1]) ** 1.5).reshape(-1, k)])
+        normals = normals[np.linalg.norm(normals, axis=1) > 0.1]
+        a, b = padded(normals / np.linalg.norm(normals, axis=1)[:, None], 1.0 + 0.2 * np.cos(np.arange(len(normals))))
+        out[name] = (EllipsoidShape(*a.shape), {"a": a, "b": b})
+    return out
 
 
 def _hard_rows(data, reach, shape, values):
@@ -241,6 +270,9 @@ BUILDERS = {
     "contact_load": _load,
     "largest_reserve": _reserve,
     "disturbance": _disturbance,
+    "force_rule": _force_rule,
+    "rule_check": _rule_check,
+    "inscribed_ellipsoid": _inscribed_ellipsoid,
     "hard_rows": _hard_rows,
     "capability": _capability,
     "torque_feasibility": _torques,
@@ -265,6 +297,7 @@ VARIANTS = {
     "support_region": ("clipped", "open"),
     "capability": ("open", "capped"),
     "disturbance": ("free", "total"),
+    "inscribed_ellipsoid": ("plane", "space"),
     "orin_oh": ("joints", "no joints"),
     "posture_optimization": ("margin", "torque", "com_margin"),
 }

@@ -32,7 +32,9 @@ from socp_statics.models.program import ConicModel, Program
 from socp_statics.statics import assemble
 
 # (engine, model, form) that an engine does not solve.
+SEMIDEFINITE = ("force_rule", "rule_check", "inscribed_ellipsoid")
 REFUSED: set[tuple[str, str, str]] = {("kernel", model, "sdp") for model in MODELS.names()}
+REFUSED |= {("kernel", model, "socp") for model in SEMIDEFINITE}
 
 
 def engine_of(name: str):
