@@ -16,7 +16,7 @@ from socp_statics.spatial import Array
 from socp_statics.stability.robustness.disturbances import Disturbance, gravity_changes
 from socp_statics.stability.robustness.inscribed import Inscribed, distances, largest_inscribed, tilts
 from socp_statics.stability.robustness.load_slice import BEYOND, LoadSlice
-from socp_statics.stability.robustness.measure import EXACT, Measure, bracketed
+from socp_statics.stability.robustness.measure import EXACT, LOWER, Measure, bracketed
 from socp_statics.statics import StaticsData
 
 # Programs a measure may ask, by the number of coordinates; a bracket that is still wide then is the answer.
@@ -91,8 +91,10 @@ def _none(name: str, unit: str, slice_: LoadSlice, seen: Disturbance) -> Measure
 
 
 def _ball_measure(name: str, unit: str, slice_: LoadSlice, seen: Disturbance, found: Inscribed, settings: Settings) -> Measure:
-    if found.tightest is None:
+    if found.lower == np.inf:
         return Measure(name, np.inf, unit, EXACT, (np.inf, np.inf), note="contact forces grow with it without end")
+    if found.tightest is None:
+        return Measure(name, seen.one * found.lower, unit, LOWER, (seen.one * found.lower, np.inf), note="no larger one was looked at")
     v = found.tightest.direction
     beyond = slice_.beyond((found.upper + BEYOND * max(1.0, found.upper)) * v, found.tightest)
     if beyond is None:
@@ -126,8 +128,11 @@ def largest_tilt(stance: Stance, data: StaticsData, settings: Settings) -> Measu
         if slice_.unreachable is not None and abs(slice_.unreachable @ down) < 1.0 - 1e-9:
             return _none(name, unit, slice_, changes)
         found = largest_inscribed(slice_, tilts(down), settings.tolerance, QUERIES[3])
-        if found.lower >= np.pi or found.tightest is None:
+        if found.lower >= np.pi:
             return Measure(name, 180.0, unit, EXACT, (180.0, 180.0), note="it holds whichever way gravity points")
+        if found.tightest is None:
+            lower = float(np.degrees(found.lower))
+            return Measure(name, lower, unit, LOWER, (lower, 180.0), note="no larger one was looked at")
         turned = _turned(down, found.tightest.direction, found.upper)
         past = _turned(down, found.tightest.direction, min(found.upper + BEYOND, np.pi))
         beyond = slice_.beyond(past - down, found.tightest)

@@ -93,19 +93,26 @@ def _asked(name: str, unit: str, slice_: LoadSlice, settings: Settings) -> Measu
         if slice_.endless(direction[None]):
             return Measure(name, np.inf, unit, EXACT, (np.inf, np.inf), note="pushes along the direction can grow without end",
                            direction=seen.axes @ direction)  # fmt: skip
+    found: tuple[Ellipsoid, float] | None = None
     while True:
         normals, offsets = inner_facets(slice_, supports)
         if normals is None:
             raise EngineError(f"the polytope of {name} could not be built", name=slice_.engine.name)
         if not len(normals):
             return flat
-        inner = largest_ellipsoid(normals, offsets, slice_.engine)
-        outer = largest_ellipsoid(*outer_planes(supports), slice_.engine)
-        upper = max(outer.mean, inner.mean)
+        try:
+            inner, outer = (largest_ellipsoid(*planes, slice_.engine) for planes in ((normals, offsets), outer_planes(supports)))
+        except EngineError:
+            # Many half-spaces that all touch can be too many to settle: the bracket of fewer is wider, and as true.
+            if found is None:
+                raise
+            break
+        found = inner, max(outer.mean, inner.mean)
         fresh = _fresh(normals, supports)
-        if upper - inner.mean <= settings.tolerance * upper or slice_.queries >= QUERIES[k] or not fresh:
+        if found[1] - inner.mean <= settings.tolerance * found[1] or slice_.queries >= QUERIES[k] or not fresh:
             break
         supports += [slice_.support(v) for v in fresh]
+    inner, upper = found
     lengths, ways = np.linalg.eigh(inner.shape)
     details = {
         "centre": listed(seen.one * seen.axes @ inner.centre),

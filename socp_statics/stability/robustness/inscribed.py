@@ -9,12 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
+from socp_statics.exceptions import EngineError
 from socp_statics.spatial import Array
-from socp_statics.stability.robustness.load_slice import FAR, LoadSlice, Support
+from socp_statics.stability.robustness.load_slice import EDGE, FAR, LoadSlice, Support
 
 # The largest size of a shape inside half-spaces: unit normals (m, k) and offsets (m,) -> sizes (m,).
 Gauge = Callable[[Array, Array], Array]
 
+# Farthest disturbances looked at, in units of W, in turn where the engine does not settle programs with so much room.
+CLIPS = (FAR, 30.0, 3.0)
 FLAT = 1e-9
 NOTHING = 1e-9
 # How many times as far as the least upper bound to look: far points make facets that are tangent far away.
@@ -33,7 +36,7 @@ class Inscribed(NamedTuple):
     Attributes:
         lower: The shape of this size is inside a polytope whose corners are attained; inf where all disturbances can be balanced.
         upper: A larger one leaves a half-space that holds every disturbance that can be balanced.
-        tightest: That half-space; None where the size has no end.
+        tightest: That half-space; None where none was found.
     """
 
     lower: float
@@ -79,8 +82,8 @@ def largest_inscribed(slice_: LoadSlice, gauge: Gauge, tolerance: float, queries
     """
     k = slice_.coordinates
     axes = np.vstack([np.eye(k), -np.eye(k)])
-    supports = [slice_.support(axis) for axis in axes]
-    if min(s.height for s in supports) >= 0.999 * FAR and slice_.endless(axes):
+    supports = _first(slice_, axes)
+    if min(s.height for s in supports) >= EDGE * slice_.clip and slice_.endless(axes):
         return Inscribed(np.inf, np.inf, None)
     lower = 0.0
     while True:
@@ -91,26 +94,49 @@ def largest_inscribed(slice_: LoadSlice, gauge: Gauge, tolerance: float, queries
             supports = [s if float(np.linalg.norm(s.point)) <= slice_.clip else slice_.support(s.direction) for s in supports]
         normals, offsets = inner_facets(slice_, supports)
         upper, tightest = _tightest(supports, gauge)
+        if upper <= NOTHING:
+            return Inscribed(0.0, max(upper, 0.0), tightest)
         if normals is None:
             return Inscribed(min(lower, upper), upper, tightest)
         sizes = gauge(normals, offsets) if len(normals) else np.zeros(1)
         lower = max(float(sizes.min()), lower)
-        if upper <= NOTHING:
-            return Inscribed(0.0, max(upper, 0.0), tightest)
         wanting = np.flatnonzero(sizes < (1.0 - tolerance) * upper)
-        if not len(wanting) or slice_.queries >= queries:
-            return Inscribed(min(lower, upper), upper, tightest)
         asked = outer_planes(supports)[0]
         fresh = [i for i in _apart(normals, wanting[np.argsort(sizes[wanting], kind="stable")]) if not _among(asked, normals[i])]
-        supports += [slice_.support(normals[i]) for i in fresh]
-        if not fresh:
+        if not fresh or upper == np.inf or slice_.queries >= queries:
             return Inscribed(min(lower, upper), upper, tightest)
+        found = [_tried(slice_, normals[i]) for i in fresh]
+        if not any(found):
+            return Inscribed(min(lower, upper), upper, tightest)
+        supports += [s for s in found if s is not None]
 
 
-def _tightest(supports: list[Support], gauge: Gauge) -> tuple[float, Support]:
-    sizes = gauge(*outer_planes(supports))
+def _first(slice_: LoadSlice, axes: Array) -> list[Support]:
+    """Supports along the axes, looking as far as the engine can."""
+    for far in CLIPS:
+        if far != slice_.clip:
+            slice_.clip_at(far)
+        try:
+            return [slice_.support(axis) for axis in axes]
+        except EngineError:
+            if far == CLIPS[-1]:
+                raise
+    raise EngineError("no clip was tried", name=slice_.engine.name)
+
+
+def _tried(slice_: LoadSlice, direction: Array) -> Support | None:
+    """A support that only narrows a bracket; None where the engine does not settle it."""
+    try:
+        return slice_.support(direction)
+    except EngineError:
+        return None
+
+
+def _tightest(supports: list[Support], gauge: Gauge) -> tuple[float, Support | None]:
+    """The least size that a half-space allows; those of the clip itself allow any."""
+    sizes = np.where([s.clipped for s in supports], np.inf, gauge(*outer_planes(supports)))
     best = int(np.argmin(sizes))
-    return float(sizes[best]), supports[best]
+    return (np.inf, None) if sizes[best] == np.inf else (float(sizes[best]), supports[best])
 
 
 def _points(supports: list[Support]) -> Array:

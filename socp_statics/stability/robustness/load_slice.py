@@ -21,8 +21,9 @@ from socp_statics.statics.added_load import with_load
 
 ACCEPTED = 1e-8
 OUT_OF_REACH = 1e-9
-# Farthest disturbance looked at, in units of W.
+# Farthest disturbance looked at, in units of W, and the share of it beyond which the clip is what stops it.
 FAR = 1e3
+EDGE = 0.999
 # How far beyond the limit its motion is certified, as a share of the limit or of W.
 BEYOND = 1e-4
 ENDLESS = 1e-6
@@ -36,12 +37,14 @@ class Support(NamedTuple):
         point: A disturbance that can be balanced, shape (k,).
         height: ``direction . z`` is at most this.
         solution: Forces and multipliers behind both.
+        clipped: Whether only the clip stopped it.
     """
 
     direction: Array
     point: Array
     height: float
     solution: Solution
+    clipped: bool
 
 
 class LoadSlice:
@@ -102,7 +105,8 @@ class LoadSlice:
         held = force_residuals(self.at(z), self.cone, x)
         if max(held) > ACCEPTED * max(1.0, float(np.abs(x).max(initial=0.0))):
             raise EngineError(f"engine {self.engine.name} left a residual of {max(held):.1e} W in a disturbance", name=self.engine.name)
-        return Support(direction, z, max(float(direction @ z), solution.bound), solution)
+        height = max(float(direction @ z), solution.bound)
+        return Support(direction, z, height, solution, height >= EDGE * self.clip)
 
     def at(self, z: Array) -> StaticsData:
         """The stance's arrays with a disturbance."""

@@ -22,8 +22,8 @@ from socp_statics.statics import StaticsData, point_forces, wrench_range
 from socp_statics.statics.added_load import with_load
 
 # Largest radius asked for, in units of the load.
-CAP = 1e3
-# Slack of cones and rows, and rest of the balance, that count as kept, in units of W.
+CAP = 30.0
+# Slack of cones and rows, and rest of the balance, that count as kept, in units of W, or of the forces where they are larger.
 KEPT = 1e-7
 # Sections of the interval of a multiplier, each by the golden ratio.
 REFINED = 70
@@ -34,8 +34,8 @@ class RuleCheck(NamedTuple):
     """Whether a rule holds for all disturbances of the unit ball.
 
     Attributes:
-        holds: Whether it does, to 1e-7 W in every cone, row and the balance.
-        slack: Least slack of cones (the least eigenvalue of the S-lemma, in squares of W) and rows; negative where one breaks.
+        holds: Whether it does, to 1e-7 of W (of the forces where they are larger) in every cone, row and the balance.
+        slack: Least slack of cones (the least eigenvalue of the S-lemma, in squares of that) and rows; negative where one breaks.
         balance: Rest of the balance over the unit ball, scaled.
         worst: The disturbance of the unit ball that breaks it most, shape (k,); None where it holds or only the balance is wrong.
     """
@@ -134,9 +134,11 @@ def check_rule(rule: ForceRule, engine: Engine) -> RuleCheck:
     data, k = rule.data, rule.reaction.shape[1]
     Y = np.column_stack([rule.nominal, rule.reaction])
     load = np.column_stack([data.load, rule.radius * rule.disturbance.wrench])
-    left = np.linalg.norm(data.wrench_map @ Y + load, axis=0)
+    size = max(1.0, float(np.linalg.norm(Y)))
+    left = np.linalg.norm(data.wrench_map @ Y + load, axis=0) / size
     balance = float(left[0] + np.linalg.norm(left[1:]))
     cones, rows = _cones_and_rows(rule, Y)
+    cones, rows = [(c / size, A / size) for c, A in cones], rows / size
     slack, kept, breaks = np.inf, True, [(0.0, np.zeros(k))]
     if len(rows):
         room = rows[:, 0] - np.linalg.norm(rows[:, 1:], axis=1)
