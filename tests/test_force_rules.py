@@ -22,7 +22,7 @@ from socp_statics.statics import assemble
 ENGINE = ("clarabel", "cvxpy")
 CLARABEL = engines_for("clarabel", "sdp")[0]
 HAND = ss.PointContact("hand", (0.5, 0.1, 1.0), normal=(-1, 0, 0.1), friction=0.4)
-CIRCLE = np.column_stack([f(np.linspace(0.0, 2.0 * np.pi, 721)) for f in (np.cos, np.sin)])
+CIRCLE = np.column_stack([f(np.linspace(0.0, 2.0 * np.pi, 361)) for f in (np.cos, np.sin)])
 
 
 def designed(stance, cone="exact", axes=HORIZONTAL):
@@ -61,8 +61,8 @@ def test_a_designed_rule_holds_every_push_of_its_disc(kind, cone):
 def test_the_check_tells_what_samples_tell():
     rng = np.random.default_rng(3)
     seen = set()
-    for _ in range(40):
-        rule = designed(stance_of_kind("wall hand"))
+    rule = designed(stance_of_kind("wall hand"))
+    for _ in range(30):
         shaken = rule.reaction * rng.uniform(0.2, 1.3)
         free = np.linalg.svd(rule.data.wrench_map)[2][6:].T
         nominal = rule.nominal + free @ rng.normal(0, 0.01, free.shape[1])
@@ -184,7 +184,7 @@ def test_every_push_of_the_ellipsoid_is_held():
     lower, upper = found.bracket
     assert 0.999 * upper <= lower <= upper
     centre, axes = np.array(found.details["centre"]), np.array(found.details["semi_axes"])
-    for u in CIRCLE[::60]:
+    for u in CIRCLE[::30]:
         push = centre + (1.0 - 1e-6) * u @ axes
         wrench = {"force": push, "point": com}
         assert ss.check_equilibrium(contacts, com, mass, external_wrenches=[wrench], engine=ENGINE).verdict == "stable"

@@ -15,6 +15,7 @@ MEANINGS = {
     "friction_interval": "least margin over the friction intervals",
     "mass_and_com": "ellipsoid of errors of mass and first moment, as a multiple of the one given",
     "push_ellipsoid": "largest ellipsoid of horizontal pushes at {point} m, mean radius",
+    "moment_ellipsoid": "largest ellipsoid of moments, mean radius",
     "push_rule": "pushed in any horizontal direction at {point} m, forces by an affine rule",
     "placement": "every contact displaced in any direction",
 }

@@ -6,7 +6,7 @@ from socp_statics.cases.answers.answer import RECORD_KEYS, VECTOR
 
 # In the order of `stability.robustness.MEASURES`, which needs a solver to be imported.
 MEASURES = ("push", "force", "wrench", "com", "tilt", "friction", "friction_interval", "mass_and_com", "placement",
-            "push_ellipsoid", "push_rule")  # fmt: skip
+            "push_ellipsoid", "moment_ellipsoid", "push_rule")  # fmt: skip
 DEFAULT_MEASURES = ("push", "force", "com", "tilt", "friction", "placement")
 
 MEASURE_KEYS: dict[str, Any] = {
@@ -25,6 +25,7 @@ MORE_KEYS: dict[str, dict[str, Any]] = {
     "mass_and_com": {"shape": [VECTOR]},
     "placement": {"fails": None},
     "push_ellipsoid": {"point": VECTOR, "link": None, "centre": VECTOR, "semi_axes": [VECTOR]},
+    "moment_ellipsoid": {"centre": VECTOR, "semi_axes": [VECTOR]},
     "push_rule": {
         "point": VECTOR,
         "link": None,

@@ -17,8 +17,8 @@ from socp_statics.registry import nearest
 from socp_statics.spatial import Array
 from socp_statics.stability.equilibrium import EquilibriumAnswer, check_equilibrium
 from socp_statics.stability.robustness.ball import Settings, largest_ball, largest_tilt
-from socp_statics.stability.robustness.disturbances import HORIZONTAL, Disturbance, com_errors, mass_errors, pushes, wrenches
-from socp_statics.stability.robustness.ellipsoid import push_ellipsoid
+from socp_statics.stability.robustness.disturbances import HORIZONTAL, Disturbance, com_errors, mass_errors, moments, pushes, wrenches
+from socp_statics.stability.robustness.ellipsoid import ellipsoid_measure
 from socp_statics.stability.robustness.friction import critical_friction, friction_interval
 from socp_statics.stability.robustness.measure import Measure, listed, no_reserve
 from socp_statics.stability.robustness.placement import contact_placement
@@ -36,6 +36,7 @@ UNITS = {
     "mass_and_com": "1",
     "placement": "m",
     "push_ellipsoid": "N",
+    "moment_ellipsoid": "N m",
     "push_rule": "N",
 }
 MEASURES = tuple(UNITS)
@@ -113,7 +114,8 @@ def measure_robustness(
             any direction [deg]), ``friction`` (smallest common scale of all coefficients that holds), ``friction_interval`` (least margin
             over intervals [N]), ``mass_and_com`` (largest scaling of an ellipsoid in (m, m c)), ``placement`` (of every contact [m]),
             ``push_ellipsoid`` (geometric mean of the semi-axes of the largest ellipsoid of horizontal pushes at the point, wherever its
-            centre [N]), ``push_rule`` (as ``push``, by forces ``f_0 + F u`` [N]); the last two are semidefinite programs.
+            centre [N]), ``moment_ellipsoid`` (the same of moments on the base [N m]), ``push_rule`` (as ``push``, by forces ``f_0 + F u``
+            [N]); the last three are semidefinite programs.
         point: Where pushes act, world axes, shape (3,) [m]; the centre of mass by default.
         link: Link of the robot they act on; the base by default. Their torques count where torque limits do.
         length: Characteristic length of wrenches [m].
@@ -241,7 +243,9 @@ class _Question:
             case "placement":
                 return self._placement(found)
             case "push_ellipsoid":
-                return push_ellipsoid(name, unit, data, self._pushes, settings)
+                return ellipsoid_measure(name, unit, data, self._pushes, settings)
+            case "moment_ellipsoid":
+                return ellipsoid_measure(name, unit, data, moments(data), settings)
             case "push_rule":
                 disc = found.get("push") or self._measure("push", found)
                 return rule_measure(name, unit, push_rule(data, self._pushes, settings), disc, settings.tolerance)

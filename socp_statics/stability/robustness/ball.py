@@ -15,7 +15,7 @@ from socp_statics.exceptions import EngineError
 from socp_statics.spatial import Array
 from socp_statics.stability.robustness.disturbances import Disturbance, gravity_changes
 from socp_statics.stability.robustness.inscribed import Inscribed, distances, largest_inscribed, tilts
-from socp_statics.stability.robustness.load_slice import BEYOND, LoadSlice
+from socp_statics.stability.robustness.load_slice import LoadSlice
 from socp_statics.stability.robustness.measure import EXACT, LOWER, Measure, bracketed
 from socp_statics.statics import StaticsData
 
@@ -86,7 +86,7 @@ def _none(name: str, unit: str, slice_: LoadSlice, seen: Disturbance) -> Measure
     """No contact force resists some direction, however small the disturbance."""
     v = slice_.unreachable
     assert v is not None
-    beyond = slice_.beyond(v, None)
+    beyond = slice_.unresisted(v)
     return Measure(name, 0.0, unit, EXACT, (0.0, 0.0), direction=seen.axes @ v, beyond=beyond)
 
 
@@ -96,7 +96,7 @@ def _ball_measure(name: str, unit: str, slice_: LoadSlice, seen: Disturbance, fo
     if found.tightest is None:
         return Measure(name, seen.one * found.lower, unit, LOWER, (seen.one * found.lower, np.inf), note="no larger one was looked at")
     v = found.tightest.direction
-    beyond = slice_.beyond((found.upper + BEYOND * max(1.0, found.upper)) * v, found.tightest)
+    beyond = slice_.beyond(lambda share: (found.upper + share * max(1.0, found.upper)) * v, found.tightest)
     if beyond is None:
         raise EngineError(f"the motion beyond {name} does not check", name=slice_.engine.name)
     lower, upper = seen.one * found.lower, seen.one * found.upper
@@ -133,9 +133,9 @@ def largest_tilt(stance: Stance, data: StaticsData, settings: Settings) -> Measu
         if found.tightest is None:
             lower = float(np.degrees(found.lower))
             return Measure(name, lower, unit, LOWER, (lower, 180.0), note="no larger one was looked at")
-        turned = _turned(down, found.tightest.direction, found.upper)
-        past = _turned(down, found.tightest.direction, min(found.upper + BEYOND, np.pi))
-        beyond = slice_.beyond(past - down, found.tightest)
+        normal = found.tightest.direction
+        turned = _turned(down, normal, found.upper)
+        beyond = slice_.beyond(lambda share: _turned(down, normal, min(found.upper + share, np.pi)) - down, found.tightest)
         return bracketed(
             name, unit, float(np.degrees(found.lower)), float(np.degrees(found.upper)), settings.tolerance,
             direction=turned, beyond=beyond,

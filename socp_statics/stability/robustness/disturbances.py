@@ -93,8 +93,9 @@ def wrenches(data: StaticsData, point: Array, length: float) -> Disturbance:
 
 
 def moments(data: StaticsData) -> Disturbance:
-    """Moments, in scaled units."""
-    return Disturbance(np.vstack([np.zeros((3, 3)), np.eye(3)]), np.zeros((len(data.torques.names), 3)), 1.0, np.eye(3))
+    """Moments on the base, in newton metres."""
+    one = data.units.force * data.units.length
+    return Disturbance(np.vstack([np.zeros((3, 3)), np.eye(3)]), np.zeros((len(data.torques.names), 3)), one, np.eye(3))
 
 
 def com_errors(stance: Stance, data: StaticsData) -> Disturbance:

@@ -1,4 +1,4 @@
-"""The largest ellipsoid of pushes that can all be balanced: between the one inside attained pushes and the one inside half-spaces."""
+"""The largest ellipsoid of pushes, or of moments, that can all be balanced: between attained ones and half-spaces."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from socp_statics.stability.robustness.load_slice import FAR, LoadSlice, Support
 from socp_statics.stability.robustness.measure import EXACT, Measure, bracketed, listed
 from socp_statics.statics import StaticsData
 
-QUERIES = {2: 200, 3: 400}
+QUERIES = {2: 200, 3: 160}
 
 
 class Ellipsoid(NamedTuple):
@@ -56,7 +56,7 @@ def largest_ellipsoid(normals: Array, offsets: Array, engine: Engine) -> Ellipso
     return Ellipsoid(size * float(solution.variables["t"]), size * solution.variables["c"], 0.5 * size * (E + E.T))
 
 
-def push_ellipsoid(name: str, unit: str, data: StaticsData, disturbance: Disturbance, settings: Settings) -> Measure:
+def ellipsoid_measure(name: str, unit: str, data: StaticsData, disturbance: Disturbance, settings: Settings) -> Measure:
     """Geometric mean of the semi-axes of the largest ellipsoid of disturbances, wherever its centre.
 
     Args:
@@ -84,14 +84,14 @@ def push_ellipsoid(name: str, unit: str, data: StaticsData, disturbance: Disturb
 
 def _asked(name: str, unit: str, slice_: LoadSlice, settings: Settings) -> Measure:
     k, seen = slice_.coordinates, slice_.disturbance
-    flat = Measure(name, 0.0, unit, EXACT, (0.0, 0.0), note="the pushes that can be balanced have no area")
+    flat = Measure(name, 0.0, unit, EXACT, (0.0, 0.0), note="what can be balanced is flat")
     if slice_.unreachable is not None:
         return flat
     supports = [slice_.support(axis) for axis in np.vstack([np.eye(k), -np.eye(k)])]
     far = [s.point / np.linalg.norm(s.point) for s in supports if np.linalg.norm(s.point) >= 0.999 * FAR]
     for direction in far:
         if slice_.endless(direction[None]):
-            return Measure(name, np.inf, unit, EXACT, (np.inf, np.inf), note="pushes along the direction can grow without end",
+            return Measure(name, np.inf, unit, EXACT, (np.inf, np.inf), note="along the direction it can grow without end",
                            direction=seen.axes @ direction)  # fmt: skip
     found: tuple[Ellipsoid, float] | None = None
     while True:

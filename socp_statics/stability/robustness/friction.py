@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from socp_statics.certificates import MotionCertificate
-from socp_statics.contacts import Contact, ContactSet, SoftFingerContact, Stance
+from socp_statics.contacts import Contact, ContactSet, Handle, SoftFingerContact, Stance
 from socp_statics.contacts.contact import contact_from_statement
 from socp_statics.contacts.numbers import interval
 from socp_statics.exceptions import EngineError, InputError
@@ -21,8 +21,6 @@ from socp_statics.stability.robustness.measure import EXACT, LOWER, UPPER, Measu
 WIDTH = 1e-6
 MOST = 1024.0
 DEFAULT = "default"
-# Sliding velocities of a unit motion that are rounding [m/s].
-STILL = 1e-8
 
 
 def with_friction(contact: Contact, friction: float, scale: float = 1.0) -> Contact:
@@ -74,7 +72,7 @@ def critical_friction(stance: Stance, settings: Settings) -> Measure:
         if answer.verdict == "unstable":
             slides, motion = holds, _motion(answer)
         if holds >= MOST:
-            return _never(answer, slides, motion, stance)
+            return _never(answer, slides, motion, stance, settings)
         holds *= 2.0
     while holds - slides > WIDTH * holds and holds > WIDTH:
         # Near the critical scale forces may be too large, or the margin too small, to tell: then a little aside of the middle.
@@ -107,23 +105,31 @@ def _motion(answer: EquilibriumAnswer) -> MotionCertificate | None:
     return answer.certificate if isinstance(answer.certificate, MotionCertificate) else None
 
 
-def _never(answer: EquilibriumAnswer, slides: float, motion: MotionCertificate | None, stance: Stance) -> Measure:
-    """The answer where the largest scale tried does not hold either."""
+def _never(answer: EquilibriumAnswer, slides: float, motion: MotionCertificate | None, stance: Stance, settings: Settings) -> Measure:
+    """The answer where the largest scale tried does not hold either: is there any that does?"""
     name, unit = "friction", "1"
-    if answer.verdict != "unstable" or motion is None:
+    if answer.verdict != "unstable":
         return Measure(name, None, unit, None, note="undecided: on the boundary of what can be held, whatever the friction")
-    helpless = _slides_nowhere(motion, stance)
-    note = "no friction can hold it" if helpless else f"it does not hold with {MOST:g} times the friction either"
-    return Measure(name, np.inf, unit, EXACT if helpless else LOWER, (slides, np.inf), note=note, beyond=motion)
+    if stance.torque_limits is None:
+        sticking = check_equilibrium(_sticking(stance), cone="exact", form=settings.form, engine=settings.engine)
+        if sticking.verdict == "unstable":
+            note = "no friction can hold it"
+            return Measure(name, np.inf, unit, EXACT, (np.inf, np.inf), note=note, beyond=_motion(sticking))
+    note = f"it does not hold with {MOST:g} times the friction either"
+    return Measure(name, np.inf, unit, LOWER, (slides, np.inf), note=note, beyond=motion)
 
 
-def _slides_nowhere(motion: MotionCertificate, stance: Stance) -> bool:
-    """Whether no contact point slides in the motion: then no friction resists it."""
-    if motion.joints:
-        return False
-    velocities = [(motion.linear + np.cross(motion.angular, p - motion.point)) @ c.rotation for c in stance.contacts
-                  if c.unilateral and not c.frictionless for p in c.points_W]  # fmt: skip
-    return all(float(np.hypot(v[0], v[1])) <= STILL for v in velocities)
+def _sticking(stance: Stance) -> Stance:
+    """The stance with friction without limit: normal forces that push, and whatever tangential forces and torsion."""
+    contacts: list[Contact] = []
+    for c in stance.contacts:
+        if not c.unilateral or c.frictionless:
+            contacts.append(c)
+            continue
+        contacts.append(with_friction(c, 0.0))
+        words = ("fx", "fy", "mz") if isinstance(c, SoftFingerContact) else ("fx", "fy")
+        contacts += [Handle(f"{c.name} (tangential {i})", p, c.rotation, transmits=words) for i, p in enumerate(c.points_W)]
+    return replace(stance, contacts=ContactSet(contacts), posture=None)
 
 
 def friction_interval(stance: Stance, intervals: Mapping[str, Any], settings: Settings) -> Measure:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -24,8 +25,8 @@ OUT_OF_REACH = 1e-9
 # Farthest disturbance looked at, in units of W, and the share of it beyond which the clip is what stops it.
 FAR = 1e3
 EDGE = 0.999
-# How far beyond the limit its motion is certified, as a share of the limit or of W.
-BEYOND = 1e-4
+# How far beyond the limit its motion is certified, as a share of the limit or of W: the least that rounding allows.
+BEYOND = (1e-7, 1e-6, 1e-5, 1e-4)
 ENDLESS = 1e-6
 
 
@@ -112,19 +113,28 @@ class LoadSlice:
         """The stance's arrays with a disturbance."""
         return with_load(self.data, self.B, self.relief, self.disturbance.torque, z)
 
-    def beyond(self, z: Array, support: Support | None) -> MotionCertificate | None:
-        """The motion that nothing can prevent at a disturbance outside of the set.
+    def beyond(self, disturbance: Callable[[float], Array], support: Support) -> MotionCertificate | None:
+        """The motion that nothing can prevent just beyond a half-space.
 
         Args:
-            z: The disturbance.
-            support: The half-space that it is outside of; None where no contact force resists it.
+            disturbance: How far beyond, as a share -> the disturbance there.
+            support: The half-space.
+
+        Returns:
+            The motion; None where rounding is larger than the farthest tried.
         """
-        at = self.at(z)
-        if support is None:
-            reach = wrench_range(self.data.wrench_map)
-            return motion_certificate(at, self.cone, motion_of(at, reach.null @ (reach.null.T @ at.load)))
         duals = support.solution.duals
-        return motion_certificate(at, self.cone, motion_of(at, self._basis @ duals["balance"], duals.get("limits")))
+        for share in BEYOND:
+            at = self.at(disturbance(share))
+            found = motion_certificate(at, self.cone, motion_of(at, self._basis @ duals["balance"], duals.get("limits")))
+            if found is not None:
+                return found
+        return None
+
+    def unresisted(self, z: Array) -> MotionCertificate | None:
+        """The motion of a disturbance that no contact force resists."""
+        at, reach = self.at(z), wrench_range(self.data.wrench_map)
+        return motion_certificate(at, self.cone, motion_of(at, reach.null @ (reach.null.T @ at.load)))
 
     def endless(self, directions: Array) -> bool:
         """Whether disturbances along all of some unit directions can grow without end.

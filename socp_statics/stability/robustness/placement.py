@@ -74,7 +74,8 @@ def contact_placement(stance: Stance, data: StaticsData, answer: EquilibriumAnsw
 
 def _safe(data: StaticsData, total: float, settings: Settings, engine: Engine) -> float:
     """``M(s) / s``, scaled; 0 where forces of that sum balance no ball of moments."""
-    seen = moments(data).seen()
+    what = moments(data)
+    seen = what.seen()
     try:
         slice_ = LoadSlice(data, seen, settings.cone, settings.form, engine, total)
         if slice_.unreachable is not None:
@@ -83,7 +84,7 @@ def _safe(data: StaticsData, total: float, settings: Settings, engine: Engine) -
     except EngineError:
         # No forces of that sum balance the load: such a sum is no candidate.
         return 0.0
-    return seen.one * found.lower / total if np.isfinite(found.lower) else 0.0
+    return seen.one / what.one * found.lower / total if np.isfinite(found.lower) else 0.0
 
 
 def _fails(stance: Stance, data: StaticsData, answer: EquilibriumAnswer, settings: Settings) -> tuple[float, str | None]:
