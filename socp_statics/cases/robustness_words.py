@@ -32,7 +32,7 @@ def robustness_lines(record: Mapping[str, Any]) -> list[str]:
 
 
 def _meaning(name: str, entry: Mapping[str, Any]) -> str:
-    point = f"[{', '.join(f'{v:.4g}' for v in entry['point'])}]" if entry.get("point") else ""
+    point = f"[{', '.join(f'{round(v, 9) + 0.0:.4g}' for v in entry['point'])}]" if entry.get("point") else ""
     return MEANINGS[name].format(point=point, length=entry.get("length") or 1.0)
 
 
