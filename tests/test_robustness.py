@@ -286,3 +286,21 @@ def test_measures_have_names_units_and_lines():
     assert tuple(UNITS) == MEASURES == robustness_keys.MEASURES
     assert DEFAULT_MEASURES == robustness_keys.DEFAULT_MEASURES
     assert set(PLAIN) <= set(FAMILIES)
+
+
+@pytest.mark.parametrize("family", ["flat", "sloped", "feet_and_hands", "points"])
+def test_balls_over_pyramids_are_distances_to_the_faces_of_the_body_wrench_cone(family):
+    pytest.importorskip("cdd")
+    stances = (random_stance(seed, family) for seed in range(20))
+    stance = next(s for s in stances if ss.check_equilibrium(s, cone="inscribed", engine=ENGINE).margin > 1.0 and len(s.contacts) < 4)
+    faces = ss.body_wrench_cone(stance, stance.com, cone="inscribed").faces()
+    reaction = np.concatenate([-stance.mass * np.asarray(stance.gravity), np.zeros(3)])
+    assert not len(faces.equalities) and not stance.external_wrenches
+    room = -faces.faces @ reaction
+    found = measured(stance, None, None, "push", "force", "wrench", cone="inscribed", length=LENGTH)
+    for name, axes in (("push", np.eye(6)[:, :2]), ("force", np.eye(6)[:, :3]), ("wrench", np.diag([1.0] * 3 + [LENGTH] * 3))):
+        reach = np.linalg.norm(faces.faces @ axes, axis=1)
+        exact = float((room[reach > 1e-9] / reach[reach > 1e-9]).min())
+        lower, upper = found[name].bracket
+        assert lower * (1 - 1e-6) <= exact <= upper * (1 + 1e-6), name
+        assert lower >= 0.97 * exact
