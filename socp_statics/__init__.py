@@ -149,6 +149,8 @@ if TYPE_CHECKING:
     from socp_statics.stability import check_strong_stability as check_strong_stability
     from socp_statics.stability import margin_gradient as margin_gradient
     from socp_statics.stability import simple_static_test as simple_static_test
+    from socp_statics.stability.robustness import check_push_rule as check_push_rule
+    from socp_statics.stability.robustness import measure_robustness as measure_robustness
     from socp_statics.statics import body_wrench as body_wrench
     from socp_statics.statics import contact_jacobian as contact_jacobian
     from socp_statics.statics import contact_map as contact_map
@@ -158,8 +160,6 @@ if TYPE_CHECKING:
     from socp_statics.statics import mixed_jacobian as mixed_jacobian
     from socp_statics.statics import net_wrench as net_wrench
     from socp_statics.statics import static_torque as static_torque
-    from socp_statics.stability.robustness import check_push_rule as check_push_rule
-    from socp_statics.stability.robustness import measure_robustness as measure_robustness
     from socp_statics.statics.posture_types import posture_types as posture_types
     from socp_statics.statics.torque_components import torque_components as torque_components
     from socp_statics.wrench_cones import acceleration_slice as acceleration_slice
