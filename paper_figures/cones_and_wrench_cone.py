@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from socp_statics.cones.choice import KINDS, ConeChoice, cone_choice
-from socp_statics.contacts import Contact
+from socp_statics.contacts import Contact, SurfaceContact
 from socp_statics.figures.axonometric import add_axes_of_space, seen_from
 from socp_statics.figures.marks import add_filled, add_line
 from socp_statics.figures.panels import fill_panel, legend_below, panels, title_panels
@@ -23,7 +24,8 @@ from socp_statics.wrench_cones import WrenchCone, WrenchSlice, contact_wrench_co
 
 NEEDS = {"stance": Need("contacts/hoap2_double_stance")}
 SIDES, QUARTER, HALVINGS = 4, 13, 12
-PUSH = 0.55
+TURN = 0.75
+ARROWS = (0.75, 0.75, 1.25)
 VIEW = seen_from(np.deg2rad(-62.0), np.deg2rad(20.0))
 WORDS = {"exact": "exact", "circumscribed": "circumscribed, 4 sides", "inscribed": "inscribed, 4 sides"}
 # the two components of a wrench that a section shows
@@ -37,11 +39,6 @@ def _contact(records: Mapping[str, Sequence[Any]]) -> Contact:
 
 def _choice(kind: str) -> ConeChoice:
     return cone_choice(kind, None if kind == "exact" else SIDES, None)
-
-
-def _cone(contact: Contact, kind: str) -> WrenchCone:
-    """About the middle of the sole."""
-    return contact_wrench_cone(contact, cone=_choice(kind), point_C=(*contact.points_C.mean(axis=0), 0.0))
 
 
 def _edges(contact: Contact, kind: str) -> Array:
@@ -80,17 +77,29 @@ def _section(cone: WrenchCone, axes: tuple[int, int], rest: Array, size: Array) 
     return np.vstack([quarter, quarter[-2::-1] * (-1, 1), quarter[1:] * (-1, -1), quarter[-2:0:-1] * (1, -1)])
 
 
-def _sections(contact: Contact) -> dict[str, dict[str, Array]]:
-    """Both sections of the three cones per newton of normal force: moments at a push of f_x, and f_x with m_z [N, N m]."""
-    half = 0.5 * np.ptp(contact.points_C, axis=0)
-    push = PUSH * contact.friction
+@cache
+def _sections(friction: float, size: tuple[float, float]) -> dict[str, dict[str, Array]]:
+    """Both sections of the three cones per newton of normal force: moments at a yaw moment, and f_x with m_z [N, N m]."""
+    sole = SurfaceContact("sole", (0.0, 0.0, 0.0), normal=(0.0, 0.0, 1.0), friction=friction, size=size)
+    half = 0.5 * np.array(size)
     found: dict[str, dict[str, Array]] = {}
     for kind in KINDS:
-        cone = _cone(contact, kind)
-        still, pushed = np.array([0.0, 0, 1, 0, 0, 0]), np.array([push, 0, 1, 0, 0, 0])
-        size = contact.friction * np.array([1.0, half.sum()])
-        found[kind] = {"moments": _section(cone, MOMENTS, pushed, half[::-1]), "yaw": _section(cone, YAW, still, size)}
+        cone = contact_wrench_cone(sole, cone=_choice(kind))
+        still, turned = np.array([0.0, 0, 1, 0, 0, 0]), np.array([0.0, 0, 1, 0, 0, _turn(friction, size)])
+        box = friction * np.array([1.0, half.sum()])
+        found[kind] = {"moments": _section(cone, MOMENTS, turned, half[::-1]), "yaw": _section(cone, YAW, still, box)}
     return found
+
+
+def _turn(friction: float, size: tuple[float, float]) -> float:
+    """A share of the largest yaw moment, that of forces round the corners [N m per N]."""
+    return TURN * friction * 0.5 * float(np.hypot(*size))
+
+
+def _size(contact: Contact) -> tuple[float, float]:
+    """Lengths of a rectangular sole, shape (2,) [m]."""
+    long, wide = np.ptp(contact.points_C, axis=0)
+    return round(float(long), 9), round(float(wide), 9)
 
 
 def draw(records: Mapping[str, Sequence[Any]]) -> Figure:
@@ -104,7 +113,8 @@ def draw(records: Mapping[str, Sequence[Any]]) -> Figure:
     fill_panel(flat, around(_edges(contact, "circumscribed")[:, :2]).grown(0.07))
     flat.set_xlabel("f_x [N]", labelpad=1.0)
     flat.set_ylabel("f_y [N]", labelpad=0.0)
-    sections, half = _sections(contact), 0.5e3 * np.ptp(contact.points_C, axis=0)
+    size = _size(contact)
+    sections, half = _sections(contact.friction, size), 0.5e3 * np.array(size)
     for kind in ("exact", "circumscribed", "inscribed"):
         add_line(moments, 1e3 * sections[kind]["moments"], closed=True, **REGION_LINES[kind])
         add_line(yaw, sections[kind]["yaw"] * (1.0, 1e3), closed=True, **REGION_LINES[kind])
@@ -119,8 +129,9 @@ def draw(records: Mapping[str, Sequence[Any]]) -> Figure:
     yaw.set_xlabel("f_x [N]", labelpad=1.0)
     yaw.set_ylabel("m_z [N mm]", labelpad=0.0)
     for ax in axes[1:]:
-        ax.locator_params(nbins=5)
-    title_panels(axes, ("friction cone", "its section, f_z = 1 N", f"sole, f_x = {PUSH * contact.friction:.3g} N", "sole, m_x = m_y = 0"))
+        ax.locator_params(nbins=4)
+    turn = 1e3 * _turn(contact.friction, size)
+    title_panels(axes, (f"friction cone, mu = {contact.friction:g}", "its section, f_z = 1 N", f"sole, m_z = {turn:.1f} N mm", "sole, m_x = m_y = 0"))
     legend_below(figure, axes, 3, tuple(WORDS.values()))
     return figure
 
@@ -140,7 +151,7 @@ def _add_space(ax: Axes, contact: Contact) -> None:
             sides = rim
         for corner in sides:
             add_line(ax, np.array([[0.0, 0.0], corner]), **look)
-    shown += [np.zeros((1, 2)), add_axes_of_space(ax, VIEW, np.zeros(3), [0.75, 0.75, 1.25], ("f_x", "f_y", "f_z"))]
+    shown += [np.zeros((1, 2)), add_axes_of_space(ax, VIEW, np.zeros(3), ARROWS, ("f_x", "f_y", "f_z"))]
     ax.set_xticks([])
     ax.set_yticks([])
     fill_panel(ax, around(np.vstack(shown)).grown(0.08))
@@ -149,14 +160,17 @@ def _add_space(ax: Axes, contact: Contact) -> None:
 def caption(records: Mapping[str, Sequence[Any]]) -> str:
     """Shares of the areas."""
     contact = _contact(records)
-    sections = _sections(contact)
+    size = _size(contact)
+    sections = _sections(contact.friction, size)
     areas = {name: {kind: area(s[name]) for kind, s in sections.items()} for name in ("moments", "yaw")}
     of = {name: [100 * a[kind] / a["exact"] - 100 for kind in ("inscribed", "circumscribed")] for name, a in areas.items()}
     plain = [100 * (2 / np.pi) - 100, 100 * (4 / np.pi) - 100]
-    half = 0.5e3 * np.ptp(contact.points_C, axis=0)
+    arrows = ", ".join(f"{length:g}" for length in ARROWS)
     return (
-        f"(a, b) Friction cone of mu = {contact.friction:.1f} with its inscribed and circumscribed pyramids of {SIDES} sides, per newton of "
-        f"normal force: the pyramids have {plain[0]:+.0f} and {plain[1]:+.0f} % of the area. (c, d) Sections of the wrench cone of a sole of "
-        f"{2 * half[0]:.0f} x {2 * half[1]:.0f} mm about its middle, f_y = 0 and m_z = 0 in (c), whose grey rectangle are the tipping moments "
-        f"without a push: {of['moments'][0]:+.1f} and {of['moments'][1]:+.1f} % in (c), {of['yaw'][0]:+.1f} and {of['yaw'][1]:+.1f} % in (d)."
+        f"(a, b) Friction cone of mu = {contact.friction:.1f} with its inscribed and circumscribed pyramids of {SIDES} sides, per newton "
+        f"of normal force (arrows in (a): {arrows} N): the pyramids miss {-plain[0]:.0f} % of its area and add {plain[1]:.0f} %. (c, d) "
+        f"Sections of the wrench cone of a sole of {1e3 * size[0]:.0f} x {1e3 * size[1]:.0f} mm about its middle, without tangential "
+        f"force and with a yaw moment of {1e3 * _turn(contact.friction, size):.1f} N mm per newton in (c), whose grey rectangle are the "
+        f"tipping moments without it: {of['moments'][0]:+.1f} and {of['moments'][1]:+.1f} % in (c), {of['yaw'][0]:+.1f} and "
+        f"{of['yaw'][1]:+.1f} % in (d)."
     )

@@ -15,14 +15,7 @@ from socp_statics.figures.style import BLACK, BLUE, GREEN, GREY, VERMILLION
 from socp_statics.report_figures import Need, stance_of
 from socp_statics.spatial import Array
 
-FEET = ["right_foot", "left_foot"]
-NEEDS = {
-    "sweep": Need("chapter/internal_force_slip"),
-    "window": Need(
-        "chapter/noncoplanar_zero_internal_force",
-        {"model": "internal_force_window", "parameters": {}, "expect": {}, "parameters.directions": [FEET]},
-    ),
-}
+NEEDS = {"sweep": Need("chapter/internal_force_slip"), "window": Need("chapter/internal_force_window")}
 STEP = 0.1
 
 
@@ -87,11 +80,12 @@ def draw(records: Mapping[str, Sequence[Any]]) -> Figure:
     mu = stance_of(sweep[0]).contacts["right_foot"].friction
     add_line(reaction, np.column_stack([t, mu * parts[:, 0]]), color=GREY, linewidth=0.9, linestyle=(0, (4, 2)), zorder=2.0)
     middle = len(t) // 2
-    labels = ((0, parts[0, 0], -7.0, "normal", BLUE), (0, mu * parts[0, 0], -7.0, "mu x normal", GREY))
-    for k, value, beside, name, colour in (*labels, (middle, parts[middle, 1], 6.0, "along the plane", VERMILLION)):
-        place = {"ha": "center"} if k else {"ha": "left"}
-        reaction.annotate(name, (t[k], value), (0.0 if k else 3.0, beside), textcoords="offset points", va="center", fontsize=6.0,
-                          color=colour, **place)  # fmt: skip
+    names = ((0, parts[:, 0], -7.0, "normal", BLUE, "left"), (-1, mu * parts[:, 0], 5.0, "mu x normal", GREY, "right"),
+             (middle, parts[:, 1], 6.0, "along the plane", VERMILLION, "center"))  # fmt: skip
+    for k, values, beside, name, colour, side in names:
+        along = {"left": 3.0, "right": -3.0, "center": 0.0}[side]
+        reaction.annotate(name, (t[k], values[k]), (along, beside), textcoords="offset points", va="center", ha=side, fontsize=6.0,
+                          color=colour)  # fmt: skip
     reaction.set_ylim(-2.0, 36.0)
     reaction.set_ylabel("reaction of a foot [N]", labelpad=1.0)
     title_panels(axes, ("internal force", "use of friction", "reaction"))
@@ -106,11 +100,12 @@ def caption(records: Mapping[str, Sequence[Any]]) -> str:
     """The window, the moments and the friction there."""
     window, sweep = records["window"][0]["window"], records["sweep"]
     slips, holds = _crossings(records)
+    mu = stance_of(sweep[0]).contacts["right_foot"].friction
     outside = [k for k, record in enumerate(sweep) if not _found(record)["inside"]]
     return (
-        f"HOAP-2 with its feet on the sides of a valley (15 deg, friction {stance_of(sweep[0]).contacts['right_foot'].friction:.1f}). The "
-        f"internal force of {_internal(sweep)[0]:.2f} N, at which the reactions are normal, is lowered to zero and raised again. Cones hold "
-        f"between {window['lower']['value']:.3f} and {window['upper']['value']:.3f} N (window of exact cones): the feet slip at "
+        f"HOAP-2's feet on the sides of a valley (15 deg, friction {mu:.1f}). The "
+        f"internal force of {_internal(sweep)[0]:.2f} N, at which the reactions are normal, is lowered to zero and raised again. "
+        f"Cones hold between {window['lower']['value']:.3f} and {window['upper']['value']:.3f} N (window of exact cones): the feet slip at "
         f"{slips:.2f} s and could hold again from {holds:.2f} s on. The {len(outside)} of {len(sweep)} cases outside their cones are those "
         f"from {STEP * outside[0]:.1f} to {STEP * outside[-1]:.1f} s; without internal force {_use(sweep).max():.3f} of the friction is "
         "needed. Red: no static equilibrium with this internal force; what the robot does then is dynamics."

@@ -66,7 +66,9 @@ def draw(records: Mapping[str, Sequence[Any]]) -> Figure:
     _over_time(reactions, "ground reaction [N]", forces)
     _over_time(friction, "friction used, of 1", [(_use(sweep), "", 0.0, BLACK, "-")])
     friction.set_ylim(0.0, 1.0)
-    words = ("HOAP-2, legs apart by 5 deg", "internal force of the feet", "hips and ankles, roll", "reactions of the floor", "use of friction 0.5")
+    mu = stance_of(sweep[0]).contacts["right_foot"].friction
+    words = ("HOAP-2, legs apart by 5 deg", "internal force of the feet", "hips and ankles, roll", "reactions of the floor",
+             f"use of friction {mu:g}")  # fmt: skip
     title_panels((robot, internal, torques, reactions, friction), words)
     return figure
 
@@ -116,9 +118,9 @@ def caption(records: Mapping[str, Sequence[Any]]) -> str:
     hips, ankles = _torque(sweep, "RLEG_JOINT2"), _torque(sweep, "RLEG_JOINT6")
     vertical = _reaction(sweep, "right_foot")[:, 2]
     return (
-        f"Double stance of HOAP-2 with hips and ankles rolled by 5 deg: the internal force between the soles goes through fifth-order "
-        f"splines to {f[low]:.0f} N (compression) at {STEP * low:.1f} s and {f[high]:.0f} N (tension) at {STEP * high:.1f} s. The right hip "
-        f"roll has {hips[0]:.3f} N m without it, {hips[low]:.3f} N m and {hips[high]:.3f} N m at its extremes, the ankle roll "
-        f"{abs(ankles[0]):.3f}, {ankles[low]:.3f} and {ankles[high]:.3f} N m, the left side the opposite. The vertical reactions stay "
-        f"{vertical.min():.2f} N each, and the friction used is at most {_use(sweep).max():.3f} of all."
+        f"Double stance of HOAP-2 with hips and ankles rolled by 5 deg: the internal force between the soles goes through "
+        f"fifth-order splines to {f[low]:.0f} N (compression) at {STEP * low:.1f} s and {f[high]:.0f} N (tension) at {STEP * high:.1f} s. "
+        f"The right hip roll has {hips[0]:.3f} N m without it, {hips[low]:.3f} N m and {hips[high]:.3f} N m at its extremes, the ankle "
+        f"roll {abs(ankles[0]):.3f}, {ankles[low]:.3f} and {ankles[high]:.3f} N m, the left side the opposite. The vertical reactions "
+        f"stay {vertical.min():.2f} N each, and the friction used is at most {_use(sweep).max():.3f} of all."
     )

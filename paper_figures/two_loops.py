@@ -109,12 +109,13 @@ def caption(records: Mapping[str, Sequence[Any]]) -> str:
     """Forces of both loops."""
     holding, touching = records["holding"][0], records["touching"][0]
     foot, push = _force(touching, "left_foot"), _force(touching, "left_hand")
+    use = 100.0 * _found(touching)["friction_use"]["left_foot"]
     cop = [1e3 * _found(record)["cop"]["left_foot"][0] for record in (holding, touching)]
     return (
         f"HOAP-2 with two closed loops: feet with friction 0.5, hands without. (a, b) The hands press a weightless box with "
-        f"{_squeeze(holding):.0f} N each: an internal force of their loop, the feet carry {_force(holding, 'left_foot')[2]:.2f} N each as if "
-        f"it were not there, centre of pressure {cop[0]:.1f} mm ahead of the ankle. (c, d) The hands push on a wall with "
+        f"{_squeeze(holding):.0f} N each: an internal force of their loop, the feet carry {_force(holding, 'left_foot')[2]:.2f} N each as "
+        f"if it were not there, centre of pressure {cop[0]:.1f} mm ahead of the ankle. (c, d) The hands push on a wall with "
         f"{np.linalg.norm(push):.0f} N each, a reference that is met exactly: each foot gets {foot[0]:.2f} N along the floor besides "
-        f"{foot[2]:.2f} N, its centre of pressure moves to {cop[1]:.1f} mm, {100 * _found(touching)['friction_use']['left_foot']:.1f} % of the "
+        f"{foot[2]:.2f} N, its centre of pressure moves to {cop[1]:.1f} mm, {use:.1f} % of the "
         "friction is used. Arrows are reactions on the robot, those of the hands to a larger scale; from the side both feet count as one."
     )

@@ -10,13 +10,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from socp_statics.colours import EDGE, ROUND_PART
-from socp_statics.distribution import linkage_matrix, member_forces
+from socp_statics.distribution import linkage_matrix
 from socp_statics.distribution.virtual_linkage import members
 from socp_statics.figures.axonometric import Axonometry, add_axes_of_space, seen_from
 from socp_statics.figures.marks import add_arrow, add_dots, add_filled, add_line
 from socp_statics.figures.panels import fill_panel, legend_below, panels, title_panels
-from socp_statics.figures.style import BLUE, PURPLE, SOLE, VERMILLION
 from socp_statics.figures.robot_marks import robot_bones
+from socp_statics.figures.style import BLUE, PURPLE, SOLE, VERMILLION
 from socp_statics.figures.window import around
 from socp_statics.report_figures import Need, stance_of
 from socp_statics.spatial import Array
