@@ -131,7 +131,8 @@ def draw(records: Mapping[str, Sequence[Any]]) -> Figure:
     for ax in axes[1:]:
         ax.locator_params(nbins=4)
     turn = 1e3 * _turn(contact.friction, size)
-    title_panels(axes, (f"friction cone, mu = {contact.friction:g}", "its section, f_z = 1 N", f"sole, m_z = {turn:.1f} N mm", "sole, m_x = m_y = 0"))
+    words = (f"friction cone, mu = {contact.friction:g}", "its section, f_z = 1 N", f"sole, m_z = {turn:.1f} N mm", "sole, m_x = m_y = 0")
+    title_panels(axes, words)
     legend_below(figure, axes, 3, tuple(WORDS.values()))
     return figure
 
