@@ -66,5 +66,5 @@ def add_axes_of_space(ax: Axes, view: Axonometry, origin: ArrayLike, lengths: Ar
     for axis, length, name in zip(np.eye(3), np.asarray(lengths, dtype=float), names, strict=True):
         add_arrow(ax, view.flat(start), view.flat(start + length * axis), head_size=5.0, color=GREY, linewidth=0.7, zorder=1.0)
         places.append(view.flat(start + NAME * length * axis))
-        ax.text(*places[-1], name, ha="center", va="center", fontsize=6.5, color=GREY, zorder=1.0)
+        ax.text(float(places[-1][0]), float(places[-1][1]), name, ha="center", va="center", fontsize=6.5, color=GREY, zorder=1.0)
     return np.array(places)
