@@ -23,7 +23,7 @@ from socp_statics.spatial import Array
 from socp_statics.wrench_cones import WrenchCone, WrenchSlice, contact_wrench_cone
 
 NEEDS = {"stance": Need("contacts/hoap2_double_stance")}
-SIDES, QUARTER, HALVINGS = 4, 13, 12
+SIDES, QUARTER, HALVINGS = 4, 37, 12
 TURN = 0.75
 ARROWS = (0.75, 0.75, 1.25)
 VIEW = seen_from(np.deg2rad(-62.0), np.deg2rad(20.0))
@@ -170,8 +170,8 @@ def caption(records: Mapping[str, Sequence[Any]]) -> str:
     return (
         f"(a, b) Friction cone of mu = {contact.friction:.1f} with its inscribed and circumscribed pyramids of {SIDES} sides, per newton "
         f"of normal force (arrows in (a): {arrows} N): the pyramids miss {-plain[0]:.0f} % of its area and add {plain[1]:.0f} %. (c, d) "
-        f"Sections of the wrench cone of a sole of {1e3 * size[0]:.0f} x {1e3 * size[1]:.0f} mm about its middle, without tangential "
-        f"force and with a yaw moment of {1e3 * _turn(contact.friction, size):.1f} N mm per newton in (c), whose grey rectangle are the "
-        f"tipping moments without it: {of['moments'][0]:+.1f} and {of['moments'][1]:+.1f} % in (c), {of['yaw'][0]:+.1f} and "
-        f"{of['yaw'][1]:+.1f} % in (d)."
+        f"Sections of the wrench cone of a sole of {1e3 * size[0]:.0f} x {1e3 * size[1]:.0f} mm about its middle, per newton of normal "
+        f"force: (c) without tangential force, at a yaw moment of {1e3 * _turn(contact.friction, size):.1f} N mm, the grey rectangle are the "
+        f"tipping moments without it; (d) without f_y. The areas of the pyramids' sections differ by {of['moments'][0]:+.0f} and "
+        f"{of['moments'][1]:+.0f} % in (c), {of['yaw'][0]:+.0f} and {of['yaw'][1]:+.0f} % in (d)."
     )

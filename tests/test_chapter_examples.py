@@ -9,6 +9,7 @@ from socp_statics.cases.problem import load_problem
 from socp_statics.cases.solve import solve
 from socp_statics.distribution import general_solution
 from socp_statics.engines import SINGLE
+from socp_statics.report_figures import figure_script
 from socp_statics.statics import contact_map
 
 HALF_WEIGHT = 6.2431648 * 9.81 / 2
@@ -148,3 +149,20 @@ def test_what_slips_without_internal_force_needs_no_friction_with_it():
     zero, best = record_of("chapter/noncoplanar_zero_internal_force"), record_of("chapter/noncoplanar_optimal_internal_force")
     assert max(found(zero)["friction_use"].values()) * MU == pytest.approx(np.tan(SLOPE), rel=1e-9)
     assert best["objective"] * MU == pytest.approx(0.0, abs=1e-6)
+
+
+@pytest.mark.parametrize(("name", "axes"), [("moments", (3, 4)), ("yaw", (0, 5))])
+def test_sections_of_the_wrench_cone_of_fig_3_1_by_another_program(name, axes, monkeypatch):
+    import cvxpy as cp
+
+    script = figure_script("cones_and_wrench_cone")
+    monkeypatch.setattr(script, "QUARTER", 5)
+    mu, size = 0.5, (0.098, 0.063)
+    rest = np.array([0, 0, 1, 0, 0, script._turn(mu, size) if name == "moments" else 0.0])
+    corners = 0.5 * np.array([(x, y) for x in (1, -1) for y in (1, -1)]) * size
+    for point in script._sections(mu, size)["exact"][name][:5]:
+        f, reach = cp.Variable((4, 3)), cp.Variable()
+        wrench = [*cp.sum(f, axis=0), corners[:, 1] @ f[:, 2], -corners[:, 0] @ f[:, 2], corners[:, 0] @ f[:, 1] - corners[:, 1] @ f[:, 0]]
+        rows = [wrench[k] == rest[k] + (reach * point[axes.index(k)] if k in axes else 0.0) for k in range(6)]
+        cp.Problem(cp.Maximize(reach), [cp.norm(f[:, :2], axis=1) <= mu * f[:, 2], *rows]).solve(solver="CLARABEL")
+        assert float(reach.value) == pytest.approx(1.0, abs=1e-3)
