@@ -171,7 +171,7 @@ def caption(records: Mapping[str, Sequence[Any]]) -> str:
         f"(a, b) Friction cone of mu = {contact.friction:.1f} with its inscribed and circumscribed pyramids of {SIDES} sides, per newton "
         f"of normal force (arrows in (a): {arrows} N): the pyramids miss {-plain[0]:.0f} % of its area and add {plain[1]:.0f} %. (c, d) "
         f"Sections of the wrench cone of a sole of {1e3 * size[0]:.0f} x {1e3 * size[1]:.0f} mm about its middle, per newton of normal "
-        f"force: (c) without tangential force, at a yaw moment of {1e3 * _turn(contact.friction, size):.1f} N mm, the grey rectangle are the "
-        f"tipping moments without it; (d) without f_y. The areas of the pyramids' sections differ by {of['moments'][0]:+.0f} and "
+        f"force: (c) without tangential force, at a yaw moment of {1e3 * _turn(contact.friction, size):.1f} N mm, the grey rectangle holds "
+        f"the tipping moments without it; (d) without f_y. The areas of the pyramids' sections differ by {of['moments'][0]:+.0f} and "
         f"{of['moments'][1]:+.0f} % in (c), {of['yaw'][0]:+.0f} and {of['yaw'][1]:+.0f} % in (d)."
     )
