@@ -55,8 +55,8 @@ def _paler(colour: str, share: float) -> tuple[float, float, float]:
     return (red, green, blue)
 
 
-def _add_skeleton(ax: Axes, posture: Posture, view: View) -> Array:
-    """Lines between joints, and from the last ones to where the robot can touch."""
+def robot_bones(posture: Posture) -> list[tuple[Array, Array]]:
+    """Lines between joints, and from the last ones to where the robot can touch: pairs of ends, world axes, shape (3,) each [m]."""
     robot, model = posture.robot, posture.robot.pin_model
     where = [posture.link_placement(name)[1] for name in list(model.names)[1:]]
     bones = [(where[model.parents[k] - 1], where[k - 1]) for k in range(2, model.njoints)]
@@ -64,13 +64,18 @@ def _add_skeleton(ax: Axes, posture: Posture, view: View) -> Array:
         R_WF, p_WF = posture.link_placement(frame.frame)
         carrier = model.frames[robot.frame_id(frame.frame)].parentJoint
         bones.append((where[carrier - 1], p_WF + R_WF @ frame.position))
+    return bones
+
+
+def _add_skeleton(ax: Axes, posture: Posture, view: View) -> Array:
+    """Lines between joints, and from the last ones to where the robot can touch."""
     points = []
-    for ends in bones:
+    for ends in robot_bones(posture):
         flat = np.array(ends)[:, view.axes]
         points.append(flat)
         add_line(ax, flat, color=ROUND_PART, linewidth=2.4, solid_capstyle="round", zorder=1.6)
         add_dots(ax, flat[:1], "o", 3.6, markerfacecolor="white", markeredgecolor=EDGE, markeredgewidth=0.7, zorder=1.7)
-    return np.vstack([np.array(where)[:, view.axes], *points])
+    return np.vstack(points)
 
 
 def add_ground(ax: Axes, contacts: list[Contact], size: float, view: View) -> None:
