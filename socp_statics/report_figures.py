@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 from socp_statics.cases.named_problems import problems_folder
 from socp_statics.cases.problem import Problem, load_problem, problem_from_tables
+from socp_statics.cases.record import Record
 from socp_statics.cases.solve import solve
 from socp_statics.cases.writing import finished_or_absent
 from socp_statics.contacts import Stance
@@ -19,6 +20,7 @@ from socp_statics.exceptions import InputError, StaticsError
 from socp_statics.figures.answer_figure import METADATA
 from socp_statics.figures.style import house_style
 from socp_statics.registry import nearest
+from socp_statics.runner import load_results, stale_problems
 
 ENDINGS = (".pdf", ".png")
 
@@ -107,7 +109,7 @@ def figure_script(name: str) -> ModuleType:
 
 
 def figure_records(script: ModuleType) -> dict[str, Any]:
-    """The records a figure draws.
+    """The records a figure draws: those of ``results/`` where they are current, else the problems are solved.
 
     Args:
         script: Of `figure_script`.
@@ -119,10 +121,19 @@ def figure_records(script: ModuleType) -> dict[str, Any]:
         InputError: A file that is kept in ``results/`` is not there.
         EngineError: A problem could not be solved.
     """
-    found: dict[str, Any] = {}
-    for key, need in script.NEEDS.items():
-        found[key] = need.read() if isinstance(need, Kept) else [solve(case, SINGLE) for case in need.stated().cases()]
-    return found
+    return {key: need.read() if isinstance(need, Kept) else _kept(need) or _solved(need) for key, need in script.NEEDS.items()}
+
+
+def _kept(need: Need) -> list[Record]:
+    """The records of a named problem in ``results/``, none if they are not there or no longer those of the problem."""
+    folder = problems_folder().parent / "results"
+    if need.values or not (folder / "manifest.jsonl").exists() or stale_problems(folder, [need.problem]):
+        return []
+    return [record for record in load_results(folder) if record["problem"] == need.problem]
+
+
+def _solved(need: Need) -> list[Record]:
+    return [solve(case, SINGLE) for case in need.stated().cases()]
 
 
 def stance_of(record: Mapping[str, Any]) -> Stance:

@@ -241,7 +241,7 @@ def test_robots_and_postures_are_listed(capsys):
     assert main(["list", "robots", "--json"]) == 0
     assert "placeholders" in json.loads(capsys.readouterr().out)["hoap2"]
     assert main(["list", "postures", "--json"]) == 0
-    assert list(json.loads(capsys.readouterr().out))[:3] == ["contacts", "joint_angles", "standing"]
+    assert list(json.loads(capsys.readouterr().out))[:4] == ["contacts", "random_contacts", "joint_angles", "standing"]
 
 
 @pytest.mark.parametrize("arguments", ["--help", "list", "list robots"])

@@ -51,7 +51,7 @@ def middle_of_the_soles(posture):
 
 
 def test_all_generators_are_tested():
-    by_angles = {"joint_angles", "standing", "squat", "single_stance", "rolled_feet"}
+    by_angles = {"joint_angles", "random_joint_angles", "standing", "squat", "single_stance", "rolled_feet"}
     assert set(GENERATORS.names()) == by_angles | set(TWO_FEET) | {"quadruped_stance", "keyframes"}
 
 

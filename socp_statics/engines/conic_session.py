@@ -29,7 +29,12 @@ class ConicSession:
     Args:
         form: Canonical form of the program.
         values: Values of all its parameters.
+
+    Attributes:
+        finishes: Whether answers are solved on to rounding where the engine stops short of it.
     """
+
+    finishes = True
 
     def __init__(self, form: ConicForm, values: Mapping[str, ArrayLike]):
         self.form = form
@@ -87,7 +92,7 @@ class ConicSession:
             The solution itself where it misses its equations by little, or where nothing better is found.
         """
         data, x, y = self.data, solution.x, solution.y
-        if solution.status == SOLVED and self._missed(x, y, s) <= PRECISE:
+        if not self.finishes or (solution.status == SOLVED and self._missed(x, y, s) <= PRECISE):
             return solution
         for unit in (unit_of(x, y), 1.0):
             better = finished(data, self.form.cones, x, y, unit)
@@ -220,14 +225,17 @@ class ConicCompiled:
     Args:
         form: Canonical form of its program.
         session: The engine's kind of session.
+        finishes: Whether answers are solved on to rounding where the engine stops short of it.
     """
 
-    def __init__(self, form: ConicForm, session: type[ConicSession]):
-        self._form, self._session = form, session
+    def __init__(self, form: ConicForm, session: type[ConicSession], finishes: bool = True):
+        self._form, self._session, self._finishes = form, session, finishes
 
     def session(self, values: Mapping[str, ArrayLike]) -> ConicSession:
         """A solver built on real data, for many solves that differ in few parameters."""
-        return self._session(self._form, values)
+        session = self._session(self._form, values)
+        session.finishes = self._finishes
+        return session
 
     def solve(self, values: Mapping[str, ArrayLike]) -> Solution:
         """One solve."""
@@ -255,5 +263,5 @@ class ConicEngine:
         """The compiled model, made once for each shape."""
         key = (model.name, shape)
         if key not in self._cache:
-            self._cache[key] = ConicCompiled(self.form_of(model, shape), self.session)
+            self._cache[key] = ConicCompiled(self.form_of(model, shape), self.session, not model.only_steps)
         return self._cache[key]

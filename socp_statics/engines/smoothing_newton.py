@@ -20,6 +20,8 @@ from socp_statics.spatial import Array
 # Dense matrices larger than this take longer than a second.
 LARGEST = 600
 MOST_STEPS = 120
+# What a failed method leaves behind can be of any size.
+FARTHEST = 1e15
 # Products of slack and multiplier to begin with, between these; the least one is where rounding begins.
 NEAR, FAR, LEAST = 1e-12, 1e-4, 1e-25
 LARGEST_PRODUCT = 1e4
@@ -89,10 +91,10 @@ def finished(data: ConicData, cones: Cones, x: Array, y: Array, unit: float) -> 
 
     Returns:
         Unknowns and multipliers, these inside their cones, slacks inside theirs to rounding; None where the method does not get to the
-        end, the program is too large, or what it starts from is not finite.
+        end, the program is too large, or what it starts from is no solution of anything: not finite, or beyond all scales.
     """
     m, n = data.A.shape
-    if cones.psd or m + n > LARGEST or not (np.isfinite(x).all() and np.isfinite(y).all()):
+    if cones.psd or m + n > LARGEST or not (np.abs(x).max(initial=0.0) <= FARTHEST and np.abs(y).max(initial=0.0) <= FARTHEST):
         return None
     A, b, x, rows, identity = data.A.toarray(), data.b / unit, x / unit, _Rows(cones), np.eye(m)
     upper = data.P.toarray() * unit

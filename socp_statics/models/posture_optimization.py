@@ -69,4 +69,4 @@ def declare(shape: PostureStepShape) -> Program:
     return Program(cp.Problem(cp.Maximize(cost), list(constraints.values())), variables, constraints)
 
 
-MODEL = ConicModel("posture_optimization", declare)
+MODEL = ConicModel("posture_optimization", declare, only_steps=True)

@@ -36,8 +36,11 @@ class ConicModel:
         name: Name in the registry.
         declare: Shape -> Program.
         semidefinite: Whether its programs have semidefinite cones in every form.
+        only_steps: Whether its answers are steps of a search that judges where they lead by other means: the accuracy of a solver is
+            enough for them, and solving them on to rounding not worth its time.
     """
 
     name: str
     declare: Callable[[Any], Program]
     semidefinite: bool = False
+    only_steps: bool = False

@@ -13,7 +13,8 @@ from socp_statics.engines.kernel.compilation import inner
 from socp_statics.engines.kernel.lanes import RHS_X, RHS_Y, ROW1, S2, S3, S, lane
 from socp_statics.engines.kernel.supports import BOUND, CX, CY, DX, DY
 
-# By how much a certified motion may miss a cone, for a motion of size one: rounding on an edge between two contact points.
+# By how much a certified motion may miss a cone, for a motion of size one, and a force its cone, for a force of size one: rounding on an
+# edge between two contact points, and of a contact that leans by its friction angle.
 ROUNDING = 1e-12
 FLAT = 1e-14
 
@@ -48,7 +49,7 @@ def carrying_points(X, points, load, reference, carrying, force):
             n0 /= square
             f0, f1, f2 = load[0] + n0 * points[k, 9], load[1] + n0 * points[k, 10], load[2] + n0 * points[k, 11]
             slide = math.sqrt(f0 * f0 + f1 * f1 + f2 * f2)
-        if n0 <= 0.0 or slide > max(mu, FLAT) * n0:
+        if n0 <= 0.0 or slide > max(mu * (1.0 + ROUNDING), FLAT) * n0:
             continue
         carrying[count] = k
         z0, z1, z2 = n0, 0.0, 0.0
