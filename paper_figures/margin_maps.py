@@ -72,8 +72,7 @@ def draw(records: Mapping[str, Sequence[Any]]) -> Figure:
 
 def caption(records: Mapping[str, Sequence[Any]]) -> str:
     """The largest of both, and where."""
-    x, y, reserve = _grid(records["map"])
-    row, column = np.unravel_index(int(np.argmax(reserve)), reserve.shape)
+    reserve = _grid(records["map"])[2]
     shape = shape_in_record(records["region"][0])
     assert shape is not None
     agree = sum(
@@ -81,7 +80,7 @@ def caption(records: Mapping[str, Sequence[Any]]) -> str:
     )
     return (
         f"One foot and one hand against a wall (friction 0.4, 60 kg), CoM at 0.9 m over {reserve.size} positions: (a) normal-force "
-        f"reserve, at most {reserve.max():.1f} N on this grid, at x = {x[column]:.2f} m, y = {y[row]:.2f} m; (b) CoM margin. Blue: stable. "
+        f"reserve, at most {reserve.max():.1f} N on this grid; (b) CoM margin. Blue: stable. "
         f"Black: edge of the exact support region ({1e4 * shape.area:.1f} cm^2), on which both vanish; they agree in sign at {agree} of "
         f"{len(records['map'])} positions. Dotted: base of support."
     )

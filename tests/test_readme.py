@@ -1,6 +1,7 @@
 """What the README promises: its commands, its program, its table of verbs."""
 
 import re
+import shlex
 import subprocess
 import sys
 import time
@@ -36,6 +37,17 @@ def test_the_first_command_solves_and_draws(tmp_path, monkeypatch, capsys):
             assert line in said
     figure = tmp_path / command[command.index("--figure") + 1]
     assert figure.stat().st_size > 5_000
+
+
+def test_the_walk_through_ends_with_a_figure(tmp_path, monkeypatch, capsys):
+    install, *commands = blocks("bash")[0].strip().splitlines()
+    assert install == ".venv/bin/pip install -q -c constraints.txt -e ." and len(commands) == 4
+    monkeypatch.chdir(tmp_path)
+    for command in commands:
+        assert main(shlex.split(command.removeprefix(".venv/bin/socp-statics "))) == 0, command
+    for file in ("runs/report.html", "runs/summary.md", "pyramids.pdf", "figures/torque_limited_regions.pdf", "figures/region_gallery.txt"):
+        assert (tmp_path / file).stat().st_size > 200, file
+    assert "four-sided pyramid" in capsys.readouterr().out
 
 
 def test_the_ten_line_program_runs(tmp_path, monkeypatch, capsys):

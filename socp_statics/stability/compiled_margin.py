@@ -18,9 +18,6 @@ from socp_statics.stability.prices import margin_optimum
 from socp_statics.statics.statics_data import StaticsData
 from socp_statics.statics.units import BOUNDARY, loads_row
 
-# What forces may miss their balance by, in units of W.
-BALANCE = 1e-8
-
 
 class Reserves(NamedTuple):
     """Margins of many loads.
@@ -120,7 +117,4 @@ def _margin(data: StaticsData, points: Array, cone: ConeChoice, value: float, tw
     if value == np.inf:
         x = balanced(data, x)
     held = force_residuals(data, cone, x)
-    # forces may be a million weights where walls hardly close: rounding then shows in their balance
-    if held.balance > BALANCE:
-        return None
     return Margin(value, x, held, None, None, 0.0, "kernel", 0, optimum) if max(held) <= FORCE_TOLERANCE else None

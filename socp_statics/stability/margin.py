@@ -25,7 +25,10 @@ from socp_statics.statics.units import BOUNDARY
 from socp_statics.statics.wrench_range import INSIDE, OUTSIDE, WrenchRange, wrench_range
 
 FORCE_TOLERANCE = 1e-8
-CAPS = (1.0, 1e3, 1e6)
+# Forces beyond this, in units of W, do not balance to the tolerance once they are numbers in newtons: their sum is rounded.
+LARGEST_FORCE = 1e7
+# Reserves that are tried, in units of W: where walls hardly close, one of W takes forces of millions, and a smaller one says as much.
+CAPS = (1.0, 1e-2, 1e3, 1e6)
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +106,7 @@ def _settled(data: StaticsData, cone: ConeChoice, form: str, engine: Engine, rea
             return _finite(data, cone, engine, reach, solution, x, t)
         x = balanced(data, x)
         held = force_residuals(data, cone, x)
-        if braced is None and max(held) <= FORCE_TOLERANCE:
+        if braced is None and max(held) <= FORCE_TOLERANCE and float(np.abs(x).max(initial=0.0)) <= LARGEST_FORCE:
             braced = Margin(np.inf, x, held, None, None, solution.gap, engine.name, 0)
         if braced is not None and _internal_force_inside(data, cone, form, engine, reach):
             return braced

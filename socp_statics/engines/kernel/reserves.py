@@ -21,6 +21,8 @@ from socp_statics.engines.kernel.settling import settle
 from socp_statics.engines.kernel.starting_point import normal_matrix_of_rows
 
 FINITE, INFINITE, OPEN = range(3)
+# Forces that grow without end are stopped here, in units of W: beyond, the rounding of their sum is no longer small beside 1e-8.
+LARGEST = 1e7
 # Below this length the sum of the normals' wrenches does not scale a motion.
 BRACED = 1e-6
 ACCEPTED, PRECISE = 1e-8, 1e-10
@@ -159,7 +161,7 @@ def reserve(X, points, wrenches, a, N, factors, load, q, states, equations, gues
         largest = max(largest, z0)
     if status == INFEASIBLE:
         # Forces that grow without end and stay inside: they prove themselves.
-        settled = margin > 1.0 and worst <= 0.0 and largest < 1e12
+        settled = margin > 1.0 and worst <= 0.0 and largest < LARGEST
         return (INFINITE if settled else OPEN), math.inf, worst
     # What Newton's method did not take to rounding has to say how near it is.
     near = ACCEPTED if exact else PRECISE
