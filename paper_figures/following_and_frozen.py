@@ -12,7 +12,7 @@ from socp_statics.figures.draw_following import add_following, following_in_reco
 from socp_statics.figures.draw_region import add_base_of_support, add_region
 from socp_statics.figures.draw_stance import add_contacts
 from socp_statics.figures.marks import add_com
-from socp_statics.figures.panels import fill_panel, legend_below, panels, title_panels
+from socp_statics.figures.panels import fill_panel, legend_below, panels, relabel, title_panels
 from socp_statics.figures.region_shape import shape_in_record
 from socp_statics.figures.window import choose_window, label_axes
 from socp_statics.regions import base_of_support
@@ -45,10 +45,7 @@ def draw(records: Mapping[str, Sequence[Any]]) -> Figure:
         add_com(ax, stance.com[:2])
         label_axes(ax)
         fill_panel(ax, window)
-        for artist in ax.get_children():
-            for start, words in GENERAL.items():
-                if str(artist.get_label()).startswith(start):
-                    artist.set_label(words)
+        relabel(ax, GENERAL)
     title_panels(axes, ("HOAP-2, half squat, leg joints 2 N m", "HOAP-2, standing"))
     legend_below(figure, axes, 5)
     return figure

@@ -84,9 +84,7 @@ def _add_robot(ax: Axes, sweep: Sequence[Any]) -> None:
     assert posture is not None
     places = {c.name: c.position for c in posture.contacts}
     forces = [{"point": places[w["contact"]], "force": w["force"]} for w in _found(strongest)["wrenches"]]
-    window = add_robot(ax, posture, VIEWS["front"], Pushes(forces, [], []))
-    for text in list(ax.texts):
-        text.remove()
+    window = add_robot(ax, posture, VIEWS["front"], Pushes(forces, [], []), named=False)
     ax.set_xlabel("y [m]", labelpad=1.0)
     ax.set_ylabel("z [m]", labelpad=1.0)
     fill_panel(ax, window)

@@ -56,9 +56,7 @@ def draw(records: Mapping[str, Sequence[Any]]) -> Figure:
 def _add_legs(ax: Axes, record: Mapping[str, Any]) -> None:
     stance = stance_of(record)
     assert stance.posture is not None
-    add_robot(ax, stance.posture, VIEWS["front"], Pushes([], [], []), cones=False)
-    for text in list(ax.texts):
-        text.remove()
+    add_robot(ax, stance.posture, VIEWS["front"], Pushes([], [], []), cones=False, named=False)
     _add_valley(ax, stance.contacts)
     forces = _wrenches(record)
     scale = REACH / 32.0

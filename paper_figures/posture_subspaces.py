@@ -55,9 +55,7 @@ def draw(records: Mapping[str, Sequence[Any]]) -> Figure:
     for column, name in enumerate(NEEDS):
         posture = _posture(records[name][0])
         robot, bars = axes[column], axes[6 + column]
-        window = add_robot(robot, posture, VIEWS["side"], Pushes([], [], []), cones=False)
-        for text in list(robot.texts):
-            text.remove()
+        window = add_robot(robot, posture, VIEWS["side"], Pushes([], [], []), cones=False, named=False)
         fill_panel(robot, window)
         robot.set_xlabel("")
         robot.set_ylabel("")

@@ -13,7 +13,7 @@ from socp_statics.figures.draw_robot import Pushes, add_robot
 from socp_statics.figures.draw_stance import merged
 from socp_statics.figures.marks import add_line
 from socp_statics.figures.outlines import VIEWS
-from socp_statics.figures.panels import fill_panel, legend_below, panels, title_panels
+from socp_statics.figures.panels import fill_panel, legend_below, panels, relabel, title_panels
 from socp_statics.figures.style import BLUE, GREY, VERMILLION
 from socp_statics.figures.window import Window
 from socp_statics.report_figures import Need, stance_of
@@ -70,9 +70,7 @@ def draw(records: Mapping[str, Sequence[Any]]) -> Figure:
     words = (f"level feet, friction {DRAWN['A']:g}", f"leg on a slope, friction {DRAWN['B']:g}", "margin of both")
     title_panels(axes, [f"{key}: {text}" for key, text in zip(("A", "B"), words, strict=False)] + [words[2]])
     for ax in axes:
-        for artist in ax.get_children():
-            if str(artist.get_label()).startswith("forces up to"):
-                artist.set_label("reaction")
+        relabel(ax, {"forces up to": "reaction"})
     legend_below(figure, axes, 4, ("friction cone", "reaction", "CoM"))
     return figure
 
@@ -84,9 +82,7 @@ def _add_stance(ax: Axes, record: Mapping[str, Any]) -> None:
     seen = merged(record["forces"], view.axes)
     largest = max(float(np.linalg.norm(f["force"])) for f in seen)
     # an arrow shorter than its head points nowhere
-    window = add_robot(ax, posture, view, Pushes([f for f in seen if np.linalg.norm(f["force"]) > LEAST * largest], [], []))
-    for text in list(ax.texts):
-        text.remove()
+    window = add_robot(ax, posture, view, Pushes([f for f in seen if np.linalg.norm(f["force"]) > LEAST * largest], [], []), named=False)
     fill_panel(ax, Window(window.x_min, window.x_max, LOWEST, HIGHEST))
     ax.set_xlabel("x [m]", labelpad=1.0)
     ax.set_ylabel("z [m]", labelpad=1.0)

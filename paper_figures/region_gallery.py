@@ -12,7 +12,7 @@ from matplotlib.ticker import MaxNLocator
 from socp_statics.cones.choice import KINDS
 from socp_statics.figures.draw_region import add_base_of_support, add_rays, add_region
 from socp_statics.figures.draw_stance import add_com_or_direction, add_contacts
-from socp_statics.figures.panels import fill_panel, legend_below, panels, title_panels
+from socp_statics.figures.panels import fill_panel, legend_below, panels, relabel, title_panels
 from socp_statics.figures.region_shape import shape_in_record
 from socp_statics.figures.window import choose_window, label_axes
 from socp_statics.regions import base_of_support
@@ -35,6 +35,13 @@ STANCES = {
     "talos/leaning_wall": "TALOS, wall",
     "talos/stairs": "TALOS, stairs",
     "hoap2/hands_on_the_wall": "HOAP-2, two hands",
+}
+GENERAL = {
+    "exact region": "exact",
+    "inscribed": "inscribed, 4 sides",
+    "circumscribed": "circumscribed, 4 sides",
+    "base of support": "base of support",
+    "CoM ": "_nolegend_",
 }
 LEGEND = (
     "exact",
@@ -90,24 +97,7 @@ def _add_stance(ax: Any, records: Mapping[str, Any]) -> None:
     for axis in (ax.xaxis, ax.yaxis):
         axis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
     fill_panel(ax, window)
-    _general_labels(ax)
-
-
-def _general_labels(ax: Any) -> None:
-    """One legend serves all panels: labels without the numbers of one."""
-    general = {
-        "exact region": "exact",
-        "inscribed": "inscribed, 4 sides",
-        "circumscribed": "circumscribed, 4 sides",
-        "base of support": "base of support",
-    }
-    for artist in ax.get_children():
-        label = str(artist.get_label())
-        for start, words in general.items():
-            if label.startswith(start):
-                artist.set_label(words)
-        if label.startswith("CoM ") and label != "CoM":
-            artist.set_label("_nolegend_")
+    relabel(ax, GENERAL)
 
 
 def caption(records: Mapping[str, Sequence[Any]]) -> str:

@@ -33,9 +33,7 @@ def draw(records: Mapping[str, Sequence[Any]]) -> Figure:
     figure, (side, plan) = panels(1, 2, high=2.35, foot=0.36, left=0.54)
     stance = stance_of(records["sweep"][0])
     assert stance.posture is not None
-    window = add_robot(side, stance.posture, VIEWS["side"], Pushes([], [], []))
-    for text in list(side.texts):
-        text.remove()
+    window = add_robot(side, stance.posture, VIEWS["side"], Pushes([], [], []), named=False)
     label_axes(side, ("x [m]", "z [m]"))
     fill_panel(side, window)
     contacts = stance.contacts

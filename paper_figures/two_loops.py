@@ -13,7 +13,7 @@ from socp_statics.colours import EDGE
 from socp_statics.figures.draw_robot import Pushes, add_robot
 from socp_statics.figures.marks import add_arrow, add_filled
 from socp_statics.figures.outlines import VIEWS, View
-from socp_statics.figures.panels import fill_panel, legend_below, panels, title_panels
+from socp_statics.figures.panels import fill_panel, legend_below, panels, relabel, title_panels
 from socp_statics.figures.style import BLUE, SOLE
 from socp_statics.figures.window import Window, around
 from socp_statics.postures import Posture
@@ -54,9 +54,7 @@ def draw(records: Mapping[str, Sequence[Any]]) -> Figure:
             _add_view(ax, records[key][0], view)
     title_panels(axes, ("hands hold a box", "from the front", "hands on a wall", "from the front"))
     for ax in axes:
-        for artist in ax.get_children():
-            if str(artist.get_label()).startswith("forces up to"):
-                artist.set_label("reaction of the floor")
+        relabel(ax, {"forces up to": "reaction of the floor"})
     legend_below(figure, axes, 5, ("friction cone", "reaction of the floor", "hand", "box", "CoM"))
     return figure
 
@@ -66,9 +64,7 @@ def _add_view(ax: Axes, record: Mapping[str, Any], view: View) -> None:
     feet = [c for c in posture.contacts if c.name not in HANDS]
     cops = {c.name: c.position + c.rotation[:, :2] @ _found(record)["cop"][c.name] for c in feet}
     forces = [{"point": cops[c.name], "force": _force(record, c.name)} for c in feet]
-    window = add_robot(ax, posture, view, Pushes(forces, [], []))
-    for text in list(ax.texts):
-        text.remove()
+    window = add_robot(ax, posture, view, Pushes(forces, [], []), named=False)
     flat = list(view.axes)
     hands = {name: _hand(posture, name) for name in HANDS}
     if "squeeze" in record["case"]["posture"]:

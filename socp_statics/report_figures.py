@@ -17,7 +17,7 @@ from socp_statics.cases.writing import finished_or_absent
 from socp_statics.contacts import Stance
 from socp_statics.engines import SINGLE
 from socp_statics.exceptions import InputError, StaticsError
-from socp_statics.figures.answer_figure import METADATA
+from socp_statics.figures.figure_file import write_figure
 from socp_statics.figures.style import house_style
 from socp_statics.registry import nearest
 from socp_statics.runner import load_results, stale_problems
@@ -129,7 +129,7 @@ def _kept(need: Need) -> list[Record]:
     folder = problems_folder().parent / "results"
     if need.values or not (folder / "manifest.jsonl").exists() or stale_problems(folder, [need.problem]):
         return []
-    return [record for record in load_results(folder) if record["problem"] == need.problem]
+    return load_results(folder).of(need.problem)
 
 
 def _solved(need: Need) -> list[Record]:
@@ -178,9 +178,8 @@ def _make(name: str, script: ModuleType, folder: Path) -> list[Path]:
     paths = [folder / f"{name}{ending}" for ending in ENDINGS]
     with house_style():
         figure = script.draw(records)
-        for path in paths:
-            with finished_or_absent(path) as draft:
-                figure.savefig(draft, format=path.suffix[1:], metadata=METADATA[path.suffix] | {"Title": name})
+    for path in paths:
+        write_figure(figure, path, name)
     caption = folder / f"{name}.txt"
     with finished_or_absent(caption) as draft:
         draft.write_text(" ".join(script.caption(records).split()) + "\n", encoding="utf-8")

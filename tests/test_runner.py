@@ -99,6 +99,7 @@ def test_results_are_a_sequence_and_a_table(done, tmp_path):
     results = ss.load_results(place / "out")
     assert len(results) == 9 and results[-1]["problem"] == "slopes" and results[:1][0]["problem"] == "contacts/flat_double_stance"
     assert [record.line() for record in results] == [results[k].line() for k in range(9)]
+    assert [record.line() for record in results.of("slopes")] == [record.line() for record in results if record["problem"] == "slopes"]
     table = results.table()
     assert set(table) >= {"verdict", "margin", "seconds", "posture.contacts.sole.friction"}
     assert {len(column) for column in table.values()} == {9}

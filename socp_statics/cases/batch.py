@@ -11,7 +11,7 @@ from socp_statics.cases.answers import ANSWERS
 from socp_statics.cases.hashing import NOT_HASHED, SCHEMA, canonical_json, case_hash
 from socp_statics.cases.problem import Problem
 from socp_statics.cases.record import Record
-from socp_statics.cases.solve import failed_record, first_engine, problem_hash, record_of, solve, versions
+from socp_statics.cases.solve import failed_record, first_engine, no_answer, problem_hash, record_of, solve
 from socp_statics.exceptions import InputError, StaticsError
 
 
@@ -113,25 +113,7 @@ def refused_record(
             "hash": case_hash(stated, first),
             **({} if number is None else {"sweep": {"case": number, "values": values}}),
             "case": {"description": "", "reference": "", "expect": {}} | stated | {"generated": {}},
-            "status": "failed",
-            "verdict": "undecided",
-            "reason": None,
-            "cone": {"kind": None, "sides": None, "heading": None},
-            "objective": None,
-            "margin": None,
-            "idle": [],
-            "idle_margin": None,
-            "com_margin": None,
-            "wrenches": [],
-            "forces": [],
-            "certificate": None,
-            "prices": {},
-            "residuals": {"balance": None, "cone": None, "gap": None},
-            "expect": [],
-            "engine": first,
-            "handovers": 0,
-            "versions": versions(),
-            "failure": reason,
+            **no_answer(first, reason),
             "failure_kind": failure,
         }
     )

@@ -89,27 +89,39 @@ def failed_record(problem: Problem, engine: str | Sequence[str], reason: str) ->
         engine: As for `solve`.
         reason: What the engine said.
     """
-    stance = problem.stance()
-    keys: dict[str, Any] = {
+    stance, first = problem.stance(), first_engine(engine)
+    keys = no_answer(first, reason) | {"cone": problem.cone.as_record(), **torque_keys(None, stance)}
+    return record_of(problem, stance, keys, first)
+
+
+def no_answer(engine: str, reason: str) -> dict[str, Any]:
+    """What the record of a failure says instead of an answer, in the order of its keys.
+
+    Args:
+        engine: The engine that was asked first.
+        reason: What went wrong.
+    """
+    return {
         "status": "failed",
         "verdict": "undecided",
         "reason": None,
-        "cone": problem.cone.as_record(),
+        "cone": {"kind": None, "sides": None, "heading": None},
         "objective": None,
         "margin": None,
         "idle": [],
         "idle_margin": None,
+        "com_margin": None,
         "wrenches": [],
         "forces": [],
-        **torque_keys(None, stance),
         "certificate": None,
         "prices": {},
         "residuals": {"balance": None, "cone": None, "gap": None},
-        "engine": first_engine(engine),
+        "expect": [],
+        "engine": engine,
         "handovers": 0,
+        "versions": versions(),
         "failure": reason,
     }
-    return _record(problem, stance, first_engine(engine), keys)
 
 
 def unmet(record: Record) -> list[str]:
@@ -159,10 +171,7 @@ def record_of(problem: Problem, stance: Stance, keys: dict[str, Any], engine: st
         keys: What its answer computed; changed.
         engine: The engine that was asked first.
     """
-    return _record(problem, keys.pop("stance", stance), engine, keys)
-
-
-def _record(problem: Problem, stance: Stance, engine: str, keys: dict[str, Any]) -> Record:
+    stance = keys.pop("stance", stance)
     stated, posture = plain(problem.stated()), stance.posture
     generated = {"contacts": [contact.statement() for contact in stance.contacts], "com": stance.com, "mass": stance.mass}
     if posture is not None:

@@ -191,7 +191,38 @@ class ConicSolution:
         return self.form.residuals(self.data, self.x, self.y)
 
 
-class FinishedSolution(ConicSolution):
+class HeldSolution(ConicSolution):
+    """A solution whose unknowns and multipliers are arrays of its own.
+
+    Args:
+        form: Canonical form of the program.
+        data: The instance.
+        offset: Constant of its objective.
+        status: "solved", "infeasible", "unbounded" or "failed".
+        detail: What happened, in words.
+        values: Primal and dual objective without the constant.
+        x: The canonical variables.
+        y: The conic multipliers.
+    """
+
+    def __init__(
+        self, form: ConicForm, data: ConicData, offset: float, status: str, detail: str, values: tuple[float, float], x: Array, y: Array
+    ):
+        self._x, self._y = x, y
+        super().__init__(form, data, offset, status, detail, values)
+
+    @property
+    def x(self) -> Array:
+        """The canonical variables."""
+        return self._x
+
+    @property
+    def y(self) -> Array:
+        """The conic multipliers."""
+        return self._y
+
+
+class FinishedSolution(HeldSolution):
     """A solution that Newton's method took to rounding; see `smoothing_newton`.
 
     Args:
@@ -205,18 +236,8 @@ class FinishedSolution(ConicSolution):
     """
 
     def __init__(self, form: ConicForm, data: ConicData, offset: float, engine: str, detail: str, x: Array, y: Array):
-        super().__init__(form, data, offset, SOLVED, detail, form.values(data, x, y))
-        self.engine, self._x, self._y = engine, x, y
-
-    @property
-    def x(self) -> Array:
-        """The canonical variables."""
-        return self._x
-
-    @property
-    def y(self) -> Array:
-        """The conic multipliers."""
-        return self._y
+        super().__init__(form, data, offset, SOLVED, detail, form.values(data, x, y), x, y)
+        self.engine = engine
 
 
 class ConicCompiled:

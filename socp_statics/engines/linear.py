@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from scipy.optimize import linprog
 
 from socp_statics.engines.conic_form import ConicData, ConicForm
-from socp_statics.engines.conic_session import ConicEngine, ConicSession, ConicSolution
+from socp_statics.engines.conic_session import ConicEngine, ConicSession, HeldSolution
 from socp_statics.engines.solution import FAILED, INFEASIBLE, SOLVED, UNBOUNDED
 from socp_statics.exceptions import EngineError
 from socp_statics.spatial import Array
@@ -36,25 +36,14 @@ def interface() -> str:
     return "HiGHS" if find_spec("highspy") else "HiGHS (SciPy)"
 
 
-class LinearSolution(ConicSolution):
+class LinearSolution(HeldSolution):
     """An answer of HiGHS."""
 
     engine = "highs"
 
     def __init__(self, form: ConicForm, data: ConicData, offset: float, status: str, detail: str, x: Array, y: Array):
         value = float(data.q @ x) + 0.5 * float(x @ (data.P @ x + sp.triu(data.P, 1).T @ x)) if status == SOLVED else np.nan
-        super().__init__(form, data, offset, status, detail, (value, value))
-        self._x, self._y = x, y
-
-    @property
-    def x(self) -> Array:
-        """The canonical variables."""
-        return self._x
-
-    @property
-    def y(self) -> Array:
-        """The conic multipliers."""
-        return self._y
+        super().__init__(form, data, offset, status, detail, (value, value), x, y)
 
 
 class LinearSession(ConicSession):

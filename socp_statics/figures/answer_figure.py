@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from socp_statics.cases.writing import finished_or_absent
-from socp_statics.exceptions import InputError
 from socp_statics.figures.answer_content import Answer, answer_of
 from socp_statics.figures.answer_words import answer_words
 from socp_statics.figures.draw_following import add_following
@@ -22,6 +19,7 @@ from socp_statics.figures.draw_robot import HEAD, Pushes, add_robot
 from socp_statics.figures.draw_stance import add_com_or_direction, add_contacts, add_forces
 from socp_statics.figures.draw_torques import add_torques
 from socp_statics.figures.draw_window import add_window, window_in_record
+from socp_statics.figures.figure_file import figure_path, write_figure
 from socp_statics.figures.layout import SHEET_AXES, Bars, Row, arrange, new_axes, shaped_for_sheet, sheet_of
 from socp_statics.figures.optimized_posture import optimized_posture
 from socp_statics.figures.outlines import VIEWS
@@ -31,9 +29,6 @@ from socp_statics.figures.style import BLACK, house_style
 from socp_statics.figures.window import Window, choose_window, label_axes, show_window
 from socp_statics.postures import Posture
 from socp_statics.regions import SupportRegion, base_of_support
-
-# a creation date would make every file different
-METADATA: dict[str, dict[str, Any]] = {".pdf": {"CreationDate": None}, ".png": {}, ".svg": {"Date": None}}
 
 
 def save_figure(
@@ -54,15 +49,8 @@ def save_figure(
         InputError: The name ends otherwise.
         OSError: The file cannot be written.
     """
-    target = Path(path)
-    ending = target.suffix.lower()
-    if ending not in METADATA:
-        raise InputError(f"figure {target}: a file that ends in {', '.join(METADATA)} is expected", name=str(target), field="path")
-    with house_style():
-        figure = answer_figure(record, regions, posture)
-        metadata = METADATA[ending] | {"Title": _title(record)}
-        with finished_or_absent(target) as draft:
-            figure.savefig(draft, format=ending[1:], metadata=metadata)
+    target = figure_path(path)
+    write_figure(answer_figure(record, regions, posture), target, _title(record))
 
 
 def answer_figure(record: Mapping[str, Any], regions: Mapping[str, SupportRegion] | None = None, posture: Posture | None = None) -> Figure:

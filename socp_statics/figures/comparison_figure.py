@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping
-from pathlib import Path
 from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from socp_statics.cases.writing import finished_or_absent
-from socp_statics.exceptions import InputError
-from socp_statics.figures.answer_figure import METADATA
 from socp_statics.figures.draw_comparison import draw_errors, draw_region_family, draw_times
 from socp_statics.figures.draw_rates import circumstances, draw_area_errors, draw_rates, draw_rates_by
+from socp_statics.figures.figure_file import figure_path, write_figure
 from socp_statics.figures.layout import wrapped
 from socp_statics.figures.style import TWO_COLUMNS, house_style
 
@@ -34,15 +31,8 @@ def save_comparison(comparison: Mapping[str, Any], path: str | os.PathLike[str],
         InputError: The name ends otherwise.
         OSError: The file cannot be written.
     """
-    target = Path(path)
-    ending = target.suffix.lower()
-    if ending not in METADATA:
-        raise InputError(f"figure {target}: a file that ends in {', '.join(METADATA)} is expected", name=str(target), field="path")
-    with house_style():
-        figure = comparison_figure(comparison, times)
-        metadata = METADATA[ending] | {"Title": str(comparison["problem"])}
-        with finished_or_absent(target) as draft:
-            figure.savefig(draft, format=ending[1:], metadata=metadata)
+    target = figure_path(path)
+    write_figure(comparison_figure(comparison, times), target, str(comparison["problem"]))
 
 
 def comparison_figure(comparison: Mapping[str, Any], times: Iterable[Any] = ()) -> Figure:

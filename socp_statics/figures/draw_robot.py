@@ -111,7 +111,7 @@ def add_views(side: Axes, front: Axes, posture: Posture, pushes: Pushes, *, cone
     return Row((side, front), tuple(windows), HEAD)
 
 
-def add_robot(ax: Axes, posture: Posture, view: View, pushes: Pushes, *, cones: bool = True) -> Window:
+def add_robot(ax: Axes, posture: Posture, view: View, pushes: Pushes, *, cones: bool = True, named: bool = True) -> Window:
     """Add a robot and what pushes it.
 
     Args:
@@ -120,6 +120,7 @@ def add_robot(ax: Axes, posture: Posture, view: View, pushes: Pushes, *, cones: 
         view: The view.
         pushes: Forces, weight and loads; the longest arrow in any view is a fixed share of the robot's extent.
         cones: Whether to add the friction cones.
+        named: Whether to say above the axes where the reader stands.
 
     Returns:
         What the axes have to show.
@@ -146,8 +147,9 @@ def add_robot(ax: Axes, posture: Posture, view: View, pushes: Pushes, *, cones: 
                        share=FORCE_SHARE * size / around(body).span, most=largest if colour == PURPLE else None)  # fmt: skip
     add_com(ax, com)
     label_axes(ax, (AXIS_WORDS[view.axes[0]], AXIS_WORDS[view.axes[1]]))
-    ax.annotate(view.words, (0.0, 1.0), (0.0, 2.5), xycoords="axes fraction", textcoords="offset points", ha="left", va="bottom",
-                fontsize=7.0, color=GREY, annotation_clip=False)  # fmt: skip
+    if named:
+        ax.annotate(view.words, (0.0, 1.0), (0.0, 2.5), xycoords="axes fraction", textcoords="offset points", ha="left", va="bottom",
+                    fontsize=7.0, color=GREY, annotation_clip=False)  # fmt: skip
     return around(np.vstack(shown)).grown(RIM_SHARE * size)
 
 

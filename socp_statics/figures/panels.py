@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -61,6 +61,21 @@ def fill_panel(ax: Axes, window: Window) -> None:
     ax.set_xlim(shown.x_min, shown.x_max)
     ax.set_ylim(shown.y_min, shown.y_max)
     ax.set_aspect("equal", adjustable="box")
+
+
+def relabel(ax: Axes, general: Mapping[str, str]) -> None:
+    """Give marks of one kind the same label in every panel, so that one legend serves all.
+
+    Args:
+        ax: The panel.
+        general: What a label starts with, to what it is to be.
+    """
+    for artist in ax.get_children():
+        label = str(artist.get_label())
+        for start, words in general.items():
+            if label.startswith(start):
+                artist.set_label(words)
+                break
 
 
 def legend_below(figure: Figure, axes: Sequence[Axes], columns: int, names: Sequence[str] | None = None) -> None:

@@ -68,6 +68,10 @@ class Results(Sequence[Record]):
     def __iter__(self) -> Iterator[Record]:
         return (record for record, _ in self.timed())
 
+    def of(self, problem: str) -> list[Record]:
+        """The records of one problem, in the order of its cases; no shard of another is opened."""
+        return [self[k] for k, (file, _) in enumerate(self._places) if self.manifest.shards[file].problem == problem]
+
     def timed(self) -> Iterator[tuple[Record, float | None]]:
         """Each record with its time [s], None where that is not known."""
         kept: dict[str, BinaryIO] = {}

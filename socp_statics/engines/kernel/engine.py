@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from socp_statics.engines.conic_form import ConicData, ConicForm
-from socp_statics.engines.conic_session import ACCEPTED, ConicEngine, ConicSession, ConicSolution
+from socp_statics.engines.conic_session import ACCEPTED, ConicEngine, ConicSession, ConicSolution, HeldSolution
 from socp_statics.engines.kernel import conic
 from socp_statics.engines.kernel.side_by_side import load_side_by_side
 from socp_statics.engines.solution import FAILED, INFEASIBLE, SOLVED, UNBOUNDED
@@ -90,7 +90,7 @@ class Session(ConicSession):
         return bool(np.abs(left).max(initial=0.0) <= ACCEPTED * max(1.0, float(np.abs(x).max(initial=0.0))))
 
 
-class KernelSolution(ConicSolution):
+class KernelSolution(HeldSolution):
     """The kernel's answer to one instance.
 
     Attributes:
@@ -103,21 +103,11 @@ class KernelSolution(ConicSolution):
         self, form: ConicForm, data: ConicData, offset: float, status: int, steps: int, x: Array, y: Array, values: tuple[float, float]
     ):
         word, detail = ANSWERS[status]
-        self._x, self._y, self.steps = x, y, steps
-        super().__init__(form, data, offset, word, detail, values)
+        self.steps = steps
+        super().__init__(form, data, offset, word, detail, values, x, y)
         # The solver stopped short of what it was asked for: what it has is judged by its residuals.
         if word == FAILED and max(self.residuals) <= ACCEPTED:
             self.status = SOLVED
-
-    @property
-    def x(self) -> Array:
-        """The canonical variables."""
-        return self._x
-
-    @property
-    def y(self) -> Array:
-        """The conic multipliers."""
-        return self._y
 
 
 class KernelEngine(ConicEngine):
