@@ -27,10 +27,35 @@ def in_chunks(work: Callable[[Sequence[Any]], list[Any]], items: Sequence[Any], 
         work: From a piece to the results of its items.
         items: The list.
         chunk: Length of a piece; it does not depend on the threads, so that neither do the results.
-        threads: Number of threads.
+        threads: Number of threads, the calling one among them.
+
+    Raises:
+        BaseException: What work raised for the first piece for which it did.
     """
     pieces = [items[i : i + chunk] for i in range(0, len(items), chunk)]
-    if threads == 1 or len(pieces) < 2:
+    others = min(threads, len(pieces)) - 1
+    if others < 1:
         return [result for piece in pieces for result in work(piece)]
-    with ThreadPoolExecutor(threads) as pool:
-        return [result for results in pool.map(work, pieces) for result in results]
+    done: list[list[Any]] = [[] for _ in pieces]
+    failed: dict[int, BaseException] = {}
+    left = iter(range(len(pieces)))
+
+    def some() -> None:
+        # One thread at a time takes the next piece: the interpreter's lock sees to that.
+        for i in left:
+            if failed:
+                return
+            try:
+                done[i] = work(pieces[i])
+            except BaseException as error:
+                failed[i] = error
+
+    # The caller works too: a thread that only waits leaves its processor idle, and two new threads may be put on the same one.
+    with ThreadPoolExecutor(others) as pool:
+        for _ in range(others):
+            pool.submit(some)
+        some()
+    if failed:
+        # Pieces are taken in order: every earlier one is done, so this is the first that fails on one thread, too.
+        raise failed[min(failed)]
+    return [result for results in done for result in results]

@@ -22,7 +22,7 @@ from socp_statics.regions.witnesses import TracedWitnesses
 from socp_statics.statics import assemble
 
 # Short pieces: what a thread waits for the interpreter while another one makes regions of a long one is lost.
-CHUNK = 8
+CHUNK = 64
 
 
 def trace_support_region(

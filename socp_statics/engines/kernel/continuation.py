@@ -1,19 +1,10 @@
-"""The next vertex from its neighbours: their motions and forces combined, what each contact does as at one of them."""
+"""The next vertex from its neighbours: Newton's method from their motions and forces, combined."""
 
 from __future__ import annotations
 
-from socp_statics.engines.kernel.active_set import optimum
 from socp_statics.engines.kernel.compilation import inner
+from socp_statics.engines.kernel.projection_newton import optimum
 from socp_statics.engines.kernel.supports import DX, DY, finish
-
-
-@inner
-def _same(a, b):
-    """Whether every contact does the same in two solutions."""
-    for k in range(len(a)):
-        if a[k] != b[k]:
-            return False
-    return True
 
 
 @inner
@@ -29,7 +20,7 @@ def _between(nodes, motions, forces, i, j, dx, dy, motion, held):
 
 
 @inner
-def continued(X, points, q, reference, nodes, motions, forces, states, known, i, j, dx, dy, mine, equations, node, motion, held):
+def continued(X, points, q, reference, nodes, motions, forces, i, j, dx, dy, rows, equations, node, motion, held):
     """Try to get the support of a direction from the two neighbours that it lies between.
 
     Args:
@@ -40,14 +31,12 @@ def continued(X, points, q, reference, nodes, motions, forces, states, known, i,
         nodes: The supports.
         motions: Their motions.
         forces: Their forces.
-        states: What each contact does at each of them, where it is known.
-        known: Where it is known.
         i: The support before the direction.
         j: The support after it.
         dx: First coordinate of the unit direction.
         dy: Second coordinate.
-        mine: Written where it succeeds: what each contact does, shape (cones,).
-        equations: Scratch of `active_set.optimum`.
+        rows: Scratch of `projection_newton.optimum`.
+        equations: Scratch of `projection_newton.optimum`.
         node: Written where it succeeds, as by `supports.support`.
         motion: Written where it succeeds, shape (5,).
         held: Written where it succeeds, shape (3 * cones,).
@@ -56,14 +45,8 @@ def continued(X, points, q, reference, nodes, motions, forces, states, known, i,
         Whether it succeeded.
     """
     cones = points.shape[0]
-    for turn in range(2):
-        which = i if turn == 0 else j
-        if not known[which] or (turn == 1 and known[i] and _same(states[i, :cones], states[j, :cones])):
-            continue
-        for k in range(cones):
-            mine[k] = states[which, k]
-        _between(nodes, motions, forces, i, j, dx, dy, motion, held)
-        if optimum(X, cones, points, q, mine, equations, motion, held):
-            finish(X, cones, q, reference, dx, dy, node, motion, held)
-            return True
-    return False
+    _between(nodes, motions, forces, i, j, dx, dy, motion, held)
+    if not optimum(X, cones, points, q, rows, equations, motion, held):
+        return False
+    finish(X, cones, q, reference, dx, dy, node, motion, held)
+    return True

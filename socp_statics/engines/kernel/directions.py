@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from socp_statics.engines.kernel.active_set import EQUATION
 from socp_statics.engines.kernel.compilation import entry
 from socp_statics.engines.kernel.five_unknowns import SOLVED
 from socp_statics.engines.kernel.friction_points import centre_and_size, full_rank, prepare_support, scaled_load, set_direction
 from socp_statics.engines.kernel.lanes import buffer_size, padded
 from socp_statics.engines.kernel.normal_matrix import factor, with_pad
+from socp_statics.engines.kernel.projection_newton import EQUATION
 from socp_statics.engines.kernel.starting_point import normal_matrix_of_rows
 from socp_statics.engines.kernel.supports import BOUND, CX, CY, NODE, support
 
@@ -36,7 +36,7 @@ def support_values(points, load13, directions):
         np.empty(3), np.empty(6), np.empty(3), np.empty(5), np.empty(5), np.empty(2), np.empty(NODE),
     )  # fmt: skip
     lift, gram, out = np.empty((3, 3)), np.empty((6, 6)), np.empty((asked, 3))
-    states, equations, guess = np.empty(cones, np.int64), np.empty((3 * cones, EQUATION)), np.empty(5)
+    rows, equations, guess = np.empty(cones, np.int64), np.empty((3 * cones, EQUATION)), np.empty(5)
     statuses = np.empty(asked, np.int64)
     size = centre_and_size(points, centre)
     scaled_load(load13, centre, size, load, pull)
@@ -48,7 +48,7 @@ def support_values(points, load13, directions):
         statuses[i] = RANK
         if known:
             set_direction(X, cones, dx, dy)
-            statuses[i], _ = support(X, cones, points, factors, q, reference, dx, dy, states, equations, guess, node, y, held)
+            statuses[i] = support(X, cones, points, factors, q, reference, dx, dy, rows, equations, guess, node, y, held)
         if statuses[i] == SOLVED:
             out[i, 0], out[i, 1] = centre[0] + size * node[CX], centre[1] + size * node[CY]
             out[i, 2] = dx * centre[0] + dy * centre[1] + size * node[BOUND]

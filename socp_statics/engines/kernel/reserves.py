@@ -11,12 +11,12 @@ import math
 
 import numpy as np
 
-from socp_statics.engines.kernel.active_set import EQUATION
 from socp_statics.engines.kernel.compilation import entry, inner
 from socp_statics.engines.kernel.five_unknowns import INFEASIBLE, SOLVED
 from socp_statics.engines.kernel.friction_points import centre_and_size, full_rank, pad_lanes, unit_wrench, wrench_at_com
 from socp_statics.engines.kernel.lanes import RHS, ROW1, S, U, buffer_size, lane, padded
 from socp_statics.engines.kernel.normal_matrix import factor
+from socp_statics.engines.kernel.projection_newton import EQUATION
 from socp_statics.engines.kernel.settling import settle
 from socp_statics.engines.kernel.starting_point import normal_matrix_of_rows
 
@@ -102,7 +102,7 @@ def motion_holds(wrenches, y):
 
 
 @inner(inline="always")
-def reserve(X, points, wrenches, a, N, factors, load, q, states, equations, guess, u, motion, forces):
+def reserve(X, points, wrenches, a, N, factors, load, q, rows, equations, guess, u, motion, forces):
     """The margin of one load.
 
     Args:
@@ -114,8 +114,8 @@ def reserve(X, points, wrenches, a, N, factors, load, q, states, equations, gues
         factors: Of the normal matrix.
         load: Scaled impressed wrench, shape (6,).
         q: Scratch, shape (5,).
-        states: Scratch, shape (n,).
-        equations: Scratch of `active_set.optimum`.
+        rows: Scratch of `projection_newton.optimum`.
+        equations: Scratch of `projection_newton.optimum`.
         guess: Scratch, shape (5,).
         u: Scratch, shape (5,).
         motion: Written: y, shape (6,).
@@ -135,7 +135,7 @@ def reserve(X, points, wrenches, a, N, factors, load, q, states, equations, gues
         q[j] = 0.0
         for i in range(6):
             q[j] -= N[i, j] * load[i]
-    status, _, exact = settle(X, n, points, 0.0, factors, q, states, equations, guess, u, forces.reshape(3 * n))
+    status, exact = settle(X, n, points, 0.0, factors, q, rows, equations, guess, u, forces.reshape(3 * n))
     if status != SOLVED and status != INFEASIBLE:
         return OPEN, 0.0, 0.0
     bound = start
@@ -198,7 +198,7 @@ def reserves(points, starts, items, loads):
     kinds, margins, motions, forces = np.empty(batch, np.int64), np.empty(batch), np.empty((batch, 6)), np.empty((rows, 3))
     centre, a, N, gram, q, u, load = np.empty(3), np.empty(6), np.empty((6, 5)), np.empty((6, 6)), np.empty(5), np.empty(5), np.empty(6)
     every, equations = np.empty((3 * widest, WRENCH)), np.empty((3 * widest, EQUATION))
-    states, guess = np.empty(widest, np.int64), np.empty(5)
+    taken, guess = np.empty(widest, np.int64), np.empty(5)
     at = 0
     for s in range(sets):
         mine = points[starts[s] : starts[s + 1]]
@@ -217,7 +217,7 @@ def reserves(points, starts, items, loads):
             else:
                 wrench_at_com(loads[b], centre, size, load)
                 kinds[b], margins[b], _ = reserve(
-                    X, mine, wrenches, a, N, factors, load, q, states, equations, guess, u, motions[b], forces[at : at + n]
+                    X, mine, wrenches, a, N, factors, load, q, taken, equations, guess, u, motions[b], forces[at : at + n]
                 )
             at += n
     return kinds, margins, motions, forces

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from socp_statics.engines.kernel.active_set import classify, optimum
 from socp_statics.engines.kernel.compilation import inner
 from socp_statics.engines.kernel.five_unknowns import NEW, SOLVED, solve
 from socp_statics.engines.kernel.lanes import BLOCK, MULTIPLIER, S2, S3, S4, S, U, column, lane, padded, row
 from socp_statics.engines.kernel.normal_matrix import solve_factored
+from socp_statics.engines.kernel.projection_newton import optimum
 
 TOLERANCE = 1e-12
-# Of the interior-point iterates that Newton's method starts from, the second one where the first does not tell what contacts do.
+# Of the interior-point iterates that Newton's method starts from, the second one where it does not take hold at the first.
 ROUGH, FINE = 1e-3, 1e-6
-# An interior-point solution says beyond doubt what a contact does if distances to the boundary differ by this much.
-CLEAR = 1e-3
 
 
 @inner
@@ -53,7 +51,7 @@ def keep_multipliers(X, cones, kept):
 
 
 @inner
-def settle(X, cones, points, pad, factors, q, states, equations, guess, y, kept):
+def settle(X, cones, points, pad, factors, q, rows, equations, guess, y, kept):
     """Solve one program.
 
     Args:
@@ -63,33 +61,31 @@ def settle(X, cones, points, pad, factors, q, states, equations, guess, y, kept)
         pad: Diagonal term of an unused fifth unknown, 0 or 1.
         factors: Of the normal matrix of the rows.
         q: Cost, shape (5,).
-        states: Written: what each contact does, shape (cones,).
-        equations: Scratch of `active_set.optimum`.
+        rows: Scratch of `projection_newton.optimum`.
+        equations: Scratch of `projection_newton.optimum`.
         guess: Scratch, shape (5,).
         y: Written: the unknowns, shape (5,).
         kept: Written: the multipliers, shape (3 * cones,).
 
     Returns:
-        Status of the program, whether the states are known, and whether unknowns and multipliers are exact but for rounding.
+        Status of the program, and whether unknowns and multipliers are exact but for rounding.
     """
     tolerance, begun = ROUGH, NEW
     while True:
         status, _, begun = solve(X, padded(cones), float(cones), pad, factors, q, guess, tolerance, begun)
-        known = classify(X, cones, points, CLEAR, states)
         if status != SOLVED:
             break
         keep_multipliers(X, cones, kept)
         for j in range(5):
             y[j] = guess[j]
         # What is left for the interior-point method after this Newton's method does in a fraction of the time, and to rounding.
-        if optimum(X, cones, points, q, states, equations, y, kept):
-            return SOLVED, True, True
+        if optimum(X, cones, points, q, rows, equations, y, kept):
+            return SOLVED, True
         if tolerance == TOLERANCE:
-            known = classify(X, cones, points, CLEAR, states)
             break
         tolerance = FINE if tolerance == ROUGH else TOLERANCE
     balance_multipliers(X, cones, factors, q)
     keep_multipliers(X, cones, kept)
     for j in range(5):
         y[j] = guess[j]
-    return status, known, False
+    return status, False

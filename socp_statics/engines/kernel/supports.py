@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
-from socp_statics.engines.kernel.active_set import slack
 from socp_statics.engines.kernel.compilation import inner
 from socp_statics.engines.kernel.five_unknowns import SOLVED
 from socp_statics.engines.kernel.lanes import RHS_X, RHS_Y, S2, S, lane
+from socp_statics.engines.kernel.projection_newton import slack
 from socp_statics.engines.kernel.settling import settle
 
 # Columns of a node of the traced region: direction, attained point, bound, crossing with the next line, uncertain area.
@@ -50,7 +50,7 @@ def finish(X, cones, q, reference, dx, dy, node, y, kept):
 
 
 @inner
-def support(X, cones, points, factors, q, reference, dx, dy, states, equations, guess, node, y, kept):
+def support(X, cones, points, factors, q, reference, dx, dy, rows, equations, guess, node, y, kept):
     """One support direction.
 
     Args:
@@ -62,17 +62,17 @@ def support(X, cones, points, factors, q, reference, dx, dy, states, equations, 
         reference: Position without contact forces, shape (2,).
         dx: First coordinate of the unit direction.
         dy: Second coordinate.
-        states: Written where they are known: what each contact does, shape (cones,).
-        equations: Scratch of `active_set.optimum`.
+        rows: Scratch of `projection_newton.optimum`.
+        equations: Scratch of `projection_newton.optimum`.
         guess: Scratch, shape (5,).
         node: Written: direction, attained point, bound, shape (8,).
         y: Written: the motion, shape (5,).
         kept: Written: the forces, shape (3 * cones,).
 
     Returns:
-        Status of the program, and whether the states are known.
+        Status of the program.
     """
-    status, known, _ = settle(X, cones, points, 1.0, factors, q, states, equations, guess, y, kept)
+    status, _ = settle(X, cones, points, 1.0, factors, q, rows, equations, guess, y, kept)
     if status == SOLVED:
         finish(X, cones, q, reference, dx, dy, node, y, kept)
-    return status, known
+    return status

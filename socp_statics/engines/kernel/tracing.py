@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from socp_statics.engines.kernel.active_set import EQUATION
 from socp_statics.engines.kernel.borrowed import borrowed
 from socp_statics.engines.kernel.compilation import entry, inner
 from socp_statics.engines.kernel.contact_vertices import carrying_points, contact_vertex
@@ -13,6 +12,7 @@ from socp_statics.engines.kernel.five_unknowns import INFEASIBLE, SOLVED, UNBOUN
 from socp_statics.engines.kernel.friction_points import centre_and_size, full_rank, prepare_support, scaled_load, set_direction
 from socp_statics.engines.kernel.lanes import buffer_size, padded
 from socp_statics.engines.kernel.normal_matrix import factor, with_pad
+from socp_statics.engines.kernel.projection_newton import EQUATION
 from socp_statics.engines.kernel.refinement import (
     AFTER,
     ASK,
@@ -43,7 +43,7 @@ def _why(status):
 
 
 @inner
-def trace_one(points, load13, tolerance, X, ints, states, nodes, motions, forces, alone, equations, small):
+def trace_one(points, load13, tolerance, X, ints, nodes, motions, forces, alone, equations, small):
     """Trace one region into work arrays.
 
     Args:
@@ -51,20 +51,19 @@ def trace_one(points, load13, tolerance, X, ints, states, nodes, motions, forces
         load13: See `trace`.
         tolerance: Of (outer area - inner area) / outer area.
         X: Buffer of the cones.
-        ints: Rows of indices: those of `refinement`, then known, carrying.
-        states: What each contact does at each support, where that is known, shape (most, n).
+        ints: Rows of indices: those of `refinement`, then two for contacts.
         nodes: Written: supports, shape (most, 8).
         motions: Written: their motions, shape (most, 5).
         forces: Written: their forces, shape (most, 3 * n).
         alone: Scratch, shape (n, 5).
-        equations: Scratch of `active_set.optimum`.
+        equations: Scratch of `projection_newton.optimum`.
         small: Scratch; rows 0 to 3 are written: mean contact point, then `lift` of `prepare_support`.
 
     Returns:
         What it is, number of supports, inner area, CoM margin and size.
     """
     cones = points.shape[0]
-    after, known, carrying = ints[AFTER], ints[4], ints[5]
+    after, rows, carrying = ints[AFTER], ints[4], ints[5]
     centre, lift, load, pull, q, reference = small[0], small[1:4], small[4], small[5], small[6], small[7]
     gram = small[9:15]
     size = centre_and_size(points, centre)
@@ -86,18 +85,12 @@ def trace_one(points, load13, tolerance, X, ints, states, nodes, motions, forces
         if kind != ASK:
             return kind, count, front[INNER], front[MARGIN] * size, size
         node, motion, held = nodes[count], motions[count], forces[count]
-        known[count] = 0
         if not contact_vertex(X, points, centre, size, lift, carrying, alone, carriers, dx, dy, node, motion, held):
             set_direction(X, cones, dx, dy)
-            mine = states[count]
-            if count >= 4 and continued(
-                X, points, q, reference, nodes, motions, forces, states, known, i, after[i], dx, dy, mine, equations, node, motion, held
+            if count < 4 or not continued(
+                X, points, q, reference, nodes, motions, forces, i, after[i], dx, dy, rows, equations, node, motion, held
             ):
-                known[count] = 1
-            else:
-                status, known[count] = support(
-                    X, cones, points, factors, q, reference, dx, dy, mine, equations, small[8], node, motion, held
-                )
+                status = support(X, cones, points, factors, q, reference, dx, dy, rows, equations, small[8], node, motion, held)
                 if status != SOLVED:
                     return _why(status), count + 1, 0.0, 0.0, size
         insert(front, nodes, ints, count, i)
@@ -131,7 +124,7 @@ def trace(points, starts, loads, tolerance, most):
         widest = max(widest, starts[b + 1] - starts[b])
     X = np.empty(buffer_size(widest))
     # A row a support: a trace that asks few directions touches little memory.
-    ints, states = np.empty((6, max(most, widest)), np.int64), np.empty((most, widest), np.int64)
+    ints = np.empty((6, max(most, widest)), np.int64)
     nodes, motions, alone, small = np.empty((most, NODE)), np.empty((most, 5)), np.empty((widest, 5)), np.empty((15, 6))
     equations = np.empty((3 * widest, EQUATION))
     store, corners = np.empty((most, 3 * widest)), np.empty((most, 2))
@@ -144,7 +137,7 @@ def trace(points, starts, loads, tolerance, most):
         mine = points[starts[b] : starts[b + 1]]
         cones = mine.shape[0]
         kind, count, inner_area, margin, size = trace_one(
-            borrowed(mine), loads[b], tolerance, borrowed(X), borrowed(ints), borrowed(states), borrowed(nodes), borrowed(motions),
+            borrowed(mine), loads[b], tolerance, borrowed(X), borrowed(ints), borrowed(nodes), borrowed(motions),
             borrowed(store), borrowed(alone), borrowed(equations), borrowed(small),
         )  # fmt: skip
         k = m = 0
