@@ -23,7 +23,7 @@ CONVERGED = 1e-12
 # Residuals of a start that is worth following are not larger than this.
 FAR = 10.0
 # A step that leaves more than this share of the least residual so far tries the patience.
-SLOW = 0.5
+SLOW = 0.7
 # Price of a step of the multipliers: the residual, between these. Where more contacts slide or rest than there are unknowns, a low price
 # lets forces grow without bound; far from the optimum a high one keeps them.
 DAMPING, DAMPED = 1e-7, 0.03

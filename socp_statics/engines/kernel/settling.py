@@ -10,7 +10,7 @@ from socp_statics.engines.kernel.projection_newton import optimum
 
 TOLERANCE = 1e-12
 # Of the interior-point iterates that Newton's method starts from, the second one where it does not take hold at the first.
-ROUGH, FINE = 1e-3, 1e-6
+ROUGH, FINE = 1e-2, 1e-5
 
 
 @inner
