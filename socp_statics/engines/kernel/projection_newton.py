@@ -45,7 +45,7 @@ def slack(X, a, y):
     )
 
 
-@inner
+@inner(inline="always")
 def _linearised(X, cones, points, q, rows, equations, y, kept):
     """The equations of every loaded contact at an iterate.
 
@@ -115,7 +115,7 @@ def _linearised(X, cones, points, q, rows, equations, y, kept):
     return e, max(worst, abs(b0), abs(b1), abs(b2), abs(b3), abs(b4)), b0, b1, b2, b3, b4
 
 
-@inner
+@inner(inline="always")
 def _step(X, cones, points, q, rows, equations, y, kept):
     """One Newton step of unknowns and multipliers; returns the largest residual before it."""
     count, worst, b0, b1, b2, b3, b4 = _linearised(X, cones, points, q, rows, equations, y, kept)
