@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import threading
+import time
+
 import numpy as np
 import pytest
 from random_stances import moved, random_stance
@@ -188,6 +191,40 @@ def test_answers_do_not_depend_on_the_number_of_threads():
 
 def test_pieces_come_back_in_order():
     assert in_chunks(lambda part: [2 * i for i in part], list(range(100)), 7, 3) == [2 * i for i in range(100)]
+
+
+@pytest.mark.parametrize("threads", [1, 2, 5])
+def test_the_first_piece_that_fails_is_the_one_that_is_heard_of(threads):
+    asked, failing = [], threading.Event()
+
+    def work(part):
+        asked.append(part[0])
+        if part[0] == 20:
+            failing.set()
+        elif part[0] > 20:
+            failing.wait(10.0)
+            time.sleep(0.02)
+        if part[0] in (20, 30):
+            raise ss.EngineError(f"piece {part[0]}")
+        return part
+
+    with pytest.raises(ss.EngineError, match="piece 20"):
+        in_chunks(work, list(range(1000)), 10, threads)
+    # Whoever works on other pieces at that moment finishes them, and takes no more.
+    assert len(asked) < 100
+
+
+def test_the_caller_works_too():
+    asked, together = set(), threading.Barrier(2, timeout=10.0)
+
+    def work(part):
+        asked.add(threading.current_thread())
+        if part[0] < 2:
+            together.wait()
+        return part
+
+    in_chunks(work, list(range(40)), 1, 2)
+    assert len(asked) == 2 and threading.current_thread() in asked
 
 
 @pytest.mark.parametrize("threads", [0, -1, 1.5, True, "two"])

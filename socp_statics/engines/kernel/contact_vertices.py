@@ -69,7 +69,7 @@ def _interval(a0, a1, a2, b0, b1, b2, low, high):
     square = b1 * b1 + b2 * b2
     # From the tau where the sliding velocity is least: near an edge between two points nothing else is left of it but rounding.
     shift = -(a1 * b1 + a2 * b2) / square if square > FLAT * FLAT else 0.0
-    a0, least = a0 + shift * b0 + ROUNDING, math.hypot(a1 + shift * b1, a2 + shift * b2)
+    a0, least = a0 + shift * b0 + ROUNDING, math.sqrt((a1 + shift * b1) ** 2 + (a2 + shift * b2) ** 2)
     A = b0 * b0 - square
     B = a0 * b0
     C = (a0 - least) * (a0 + least)
@@ -96,7 +96,7 @@ def _interval(a0, a1, a2, b0, b1, b2, low, high):
     return (max(low, shift + far), high) if b0 > 0.0 else (low, min(high, shift + near))
 
 
-@inner
+@inner(inline="always")
 def contact_vertex(X, points, centre, size, lift, carrying, force, count, dx, dy, node, y, kept):
     """The vertex of a direction if it is a contact point.
 

@@ -7,7 +7,7 @@ from socp_statics.engines.kernel.projection_newton import optimum
 from socp_statics.engines.kernel.supports import DX, DY, finish
 
 
-@inner
+@inner(inline="always")
 def _between(nodes, motions, forces, i, j, dx, dy, motion, held):
     """Motion and forces of two neighbours, combined as their directions combine to the one between them; both satisfy all cones."""
     turn = nodes[i, DX] * nodes[j, DY] - nodes[i, DY] * nodes[j, DX]
@@ -19,7 +19,7 @@ def _between(nodes, motions, forces, i, j, dx, dy, motion, held):
         held[k] = share * forces[i, k] + (1.0 - share) * forces[j, k]
 
 
-@inner
+@inner(inline="always")
 def continued(X, points, q, reference, nodes, motions, forces, i, j, dx, dy, rows, equations, node, motion, held):
     """Try to get the support of a direction from the two neighbours that it lies between.
 

@@ -53,7 +53,7 @@ def begin_front(front):
     return np.int64(0)
 
 
-@inner
+@inner(inline="always")
 def widest_edge(nodes, after, order, count, inner_area):
     """The edge with the largest uncertain triangle.
 
@@ -66,7 +66,7 @@ def widest_edge(nodes, after, order, count, inner_area):
             i = k
     j = after[i]
     ex, ey = nodes[j, CX] - nodes[i, CX], nodes[j, CY] - nodes[i, CY]
-    length = math.hypot(ex, ey)
+    length = math.sqrt(ex * ex + ey * ey)
     if inner_area < SLIVER and width(nodes, order, ring_order(after, order)) < SLIVER:
         return THIN, i, 0.0, 0.0
     if length == 0.0:
@@ -99,7 +99,7 @@ def aimed(area):
     return area - min(4.0 * CORNER, 0.5 * area)
 
 
-@inner
+@inner(inline="always")
 def next_direction(front, nodes, ints, count, tolerance, x, y):
     """The direction to ask next: the four axes first.
 
@@ -135,7 +135,7 @@ def next_direction(front, nodes, ints, count, tolerance, x, y):
     return kind, i, dx, dy
 
 
-@inner
+@inner(inline="always")
 def insert(front, nodes, ints, count, i):
     """Take in the support that was written behind the others.
 

@@ -85,9 +85,9 @@ def inner_corners(nodes, order, count, tolerance, keep):
             a, b, c = keep[(i + kept - 1) % kept], keep[i], keep[(i + 1) % kept]
             ex, ey = nodes[c, CX] - nodes[a, CX], nodes[c, CY] - nodes[a, CY]
             bx, by = nodes[b, CX] - nodes[a, CX], nodes[b, CY] - nodes[a, CY]
-            length = math.hypot(ex, ey)
+            length = math.sqrt(ex * ex + ey * ey)
             if length <= tolerance:
-                redundant = math.hypot(bx, by) <= tolerance
+                redundant = math.sqrt(bx * bx + by * by) <= tolerance
             else:
                 along, off = (bx * ex + by * ey) / length, (ex * by - ey * bx) / length
                 redundant = off >= -tolerance and -OVERSHOOT * tolerance <= along <= length + OVERSHOOT * tolerance
@@ -164,7 +164,7 @@ def width(nodes, order, count):
     for a in range(count):
         i, j = order[a], order[(a + 1) % count]
         ex, ey = nodes[j, PX] - nodes[i, PX], nodes[j, PY] - nodes[i, PY]
-        length = math.hypot(ex, ey)
+        length = math.sqrt(ex * ex + ey * ey)
         if length == 0.0:
             continue
         low, high = math.inf, -math.inf
