@@ -73,6 +73,8 @@ def test_a_start_near_the_solution_leads_to_one(states, seed):
 @pytest.mark.parametrize("seed", range(6))
 def test_a_start_that_takes_every_contact_for_loaded_changes_its_mind(seed):
     program = Program([SLIDES, SLIDES, SLIDES, FREE, FREE], np.random.default_rng(seed))
+    program.s[3:] *= 0.1
+    program.h = program.s + program.G @ program.y
     wrong = program.z.copy()
     wrong[3:, 0] = program.s[3:, 0]
     found, y, z = program.solved(program.y, wrong)

@@ -27,7 +27,7 @@ SLOW = 0.7
 # Price of a step of the multipliers: the residual, between these. Where more contacts slide or rest than there are unknowns, a low price
 # lets forces grow without bound; far from the optimum a high one keeps them.
 DAMPING, DAMPED = 1e-7, 0.03
-# Numbers of a row of the equations: five coefficients, right-hand side, weight in the normal equations (HARD: one over the price), and for a
+# Numbers of a row of the equations: five coefficients, right-hand side, weight in the normal equations (HARD: 1 over the price), and for a
 # contact that slides the direction of its force.
 OFF, WEIGHT, TURN = 5, 6, 7
 EQUATION = 9
