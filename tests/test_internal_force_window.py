@@ -262,3 +262,20 @@ def test_every_engine_finds_the_same_window(engine):
     )
     assert other.engine == engine
     assert one.lower.value == pytest.approx(other.lower.value, abs=1e-6) and one.upper.value == pytest.approx(other.upper.value, abs=1e-6)
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_where_the_contacts_cannot_balance_the_load_the_window_is_empty(count, tmp_path):
+    contact = '[[posture.contacts]]\nname = "{}"\ntype = "point"\nposition = [{}, {}, 0]\nnormal = [0, 0, 1]\nfriction = 0.5\n'
+    places = {"right_foot": (0, -0.5), "left_foot": (0, 0.5), "hand": (0, 1)}
+    pairs = [FEET, ["left_foot", "hand"]][:count]
+    text = f'model = "internal_force_window"\n[parameters]\ndirections = {json.dumps(pairs)}\n'
+    text += '[posture]\ngenerator = "contacts"\nmass = 60.0\ncom = [0.1, 0, 1]\n'
+    path, out = tmp_path / "line.toml", tmp_path / "record.json"
+    path.write_text(text + "".join(contact.format(name, *place) for name, place in places.items()))
+    assert main(["solve", str(path), "--json", str(out)]) == 0
+    record = json.loads(out.read_text())
+    assert (record["status"], record["verdict"], record["certificate"]["kind"]) == ("solved", "unstable", "motion")
+    window = record["window"]
+    assert (window["kind"], window["width"], window["lower"], window["particular"]) == ("empty", 0.0, None, [])
+    assert ("set" in window) == (count == 2) and window.get("set", {}).get("inner", []) == []

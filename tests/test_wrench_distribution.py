@@ -267,8 +267,74 @@ def test_without_friction_a_valley_holds_and_a_slope_says_what_is_missing(unexpe
     assert main(["solve", unexpecting, "--set", "posture.friction=0"]) == 0
     assert "'left_foot' has 3 of 6 components" in capsys.readouterr().out
     pitched = ["--set", "posture.left=[0.2, 0.1]", "--set", "posture.right=[-0.2, 0.1]"]
-    assert main(["solve", unexpecting, "--set", "posture.friction=0", *pitched]) == 2
-    assert "the load cannot be balanced: the contacts (rank " in capsys.readouterr().err.strip().splitlines()[-1]
+    assert main(["solve", unexpecting, "--set", "posture.friction=0", *pitched]) == 0
+    told = capsys.readouterr().out
+    assert "the load cannot be balanced: the contacts (rank " in told and "status      infeasible" in told
+
+
+TWO_POINTS = """model = "wrench_distribution"
+[posture]
+generator = "contacts"
+mass = 60.0
+com = [0.1, 0.2, 1.0]
+[[posture.contacts]]
+name = "left"
+type = "point"
+position = [0, 0.5, 0]
+normal = [0, 0, 1]
+friction = 0.5
+[[posture.contacts]]
+name = "right"
+type = "point"
+position = [0, -0.5, 0]
+normal = [0, 0, 1]
+friction = 0.5
+"""
+
+
+@pytest.mark.parametrize("method", ["all", "pseudoinverse", "friction_weighted", "barycentric", "qp", "least_squares", "minimax"])
+def test_a_load_that_no_wrenches_balance_is_an_answer_with_the_motion(method, tmp_path):
+    path, out = tmp_path / "two.toml", tmp_path / "record.json"
+    path.write_text(TWO_POINTS)
+    assert main(["solve", str(path), "--set", f"parameters.method={method}", "--json", str(out)]) == 0
+    record = json.loads(out.read_text())
+    assert (record["status"], record["verdict"], record["margin"]) == ("infeasible", "unstable", "-inf")
+    assert record["objective"] is None and record["forces"] == record["wrenches"] == []
+    motion = record["certificate"]
+    velocity = [np.add(motion["linear"], np.cross(motion["angular"], np.subtract((0, y, 0), motion["point"]))) for y in (0.5, -0.5)]
+    assert np.abs(velocity).max() < 1e-12, "it turns about the line of the two points"
+    fall = np.add(motion["linear"], np.cross(motion["angular"], np.subtract((0.1, 0.2, 1.0), motion["point"])))
+    assert motion["power"] == pytest.approx(-60.0 * 9.81 * fall[2]) and motion["power"] > 0
+    for name, found in record["distribution"]["methods"].items():
+        if name == "statics_consistent":
+            assert found["status"] == "unsuitable"
+        else:
+            assert found["status"] == "infeasible" and "rank 5 of 6) give no moment about y" in found["note"] and "wrenches" not in found
+
+
+@pytest.mark.parametrize("method", ["all", "pseudoinverse", "qp"])
+def test_a_load_outside_the_cones_leaves_what_ignores_them(method, tmp_path):
+    path, out = tmp_path / "two.toml", tmp_path / "record.json"
+    push = '[[posture.external_wrenches]]\nforce = [0, 500.0, 0]\npoint = [0, 0.2, 1.0]\n'
+    path.write_text(TWO_POINTS.replace("com = [0.1", "com = [0.0") + push)
+    assert main(["solve", str(path), "--set", f"parameters.method={method}", "--json", str(out)]) == 0
+    record = json.loads(out.read_text())
+    assert record["verdict"] == "unstable" and record["certificate"]["kind"] == "motion"
+    assert record["status"] == ("infeasible" if method == "qp" else "solved")
+    for name, found in record["distribution"]["methods"].items():
+        if name in PROGRAMS:
+            assert found["status"] == "infeasible" and "no forces inside the cones" in found["note"]
+        elif name != "statics_consistent":
+            total = np.sum([w["force"] for w in found["wrenches"]], axis=0)
+            assert np.allclose(total, [0, -500.0, 60 * 9.81]) and not found["inside"]
+            used = [use == "inf" or use > 1 for use in found["friction_use"].values()]
+            assert any(used) or min(found["normal_force"].values()) < 0
+
+
+def test_references_that_the_others_cannot_make_up_for_are_infeasible():
+    points = [PointContact(name, (0, y, 0), normal=(0, 0, 1), friction=0.5) for name, y in (("a", 0.5), ("b", -0.5))]
+    found = ss.distribute(Stance(ContactSet(points), (0, 0, 1), 60), "barycentric", references={"a": [0, 0, 400.0]})
+    assert found.status == "infeasible" and "with the references met" in found.note and found.wrenches_W is None
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -25,10 +25,10 @@ def distribution_lines(record: Mapping[str, Any]) -> list[str]:
     with_limits = any(entry.get("worst_share") is not None for entry in methods.values())
     header = [*HEADER, *(["worst torque [N m]"] if with_torques else [])]
     rows = [header]
-    notes = []
+    said: dict[str, list[str]] = {}
     for name, entry in methods.items():
         if entry.get("note"):
-            notes.append(f"{name}: {entry['note']}")
+            said.setdefault(entry["note"], []).append(name)
         if "reserve" not in entry:
             rows.append([name, *[UNSUITABLE] * (len(header) - 1)])
             continue
@@ -43,6 +43,7 @@ def distribution_lines(record: Mapping[str, Any]) -> list[str]:
             share = f" ({100 * float(entry['worst_share']):.0f} %)" if with_limits and entry["worst_share"] is not None else ""
             row.append(f"{entry['worst_joint']} {entry['worst_torque']:.4g}{share}")
         rows.append(row)
+    notes = [f"{', '.join(names)}: {note}" for note, names in said.items()]
     if len(methods) == 1:
         notes += [_internal(entry) for entry in next(iter(methods.values())).get("internal_forces", [])]
     widths = [max(len(row[i]) for row in rows) for i in range(len(header))]

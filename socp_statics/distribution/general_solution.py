@@ -17,6 +17,10 @@ OUT_OF_REACH = 1e-9
 WORDS = ("force along x", "force along y", "force along z", "moment about x", "moment about y", "moment about z")
 
 
+class OutOfReachError(InputError):
+    """The contacts cannot balance the load whatever their cones: wrong input of a closed form, an answer where a verdict is asked for."""
+
+
 class GeneralSolution(NamedTuple):
     """All contact components that balance a wrench: ``F = particular + N F_a = particular + V F_int``.
 
@@ -149,7 +153,7 @@ def refuse_out_of_reach(C: ArrayLike, wrench: ArrayLike, length: float = 1.0, wh
         what: What cannot be balanced, for the sentence.
 
     Raises:
-        InputError: The wrench is out of reach by more than 1e-9 of its size.
+        OutOfReachError: The wrench is out of reach by more than 1e-9 of its size.
     """
     C, F = np.asarray(C, dtype=float), np.array(wrench, dtype=float)
     lost = unreachable(C, length)
@@ -158,7 +162,7 @@ def refuse_out_of_reach(C: ArrayLike, wrench: ArrayLike, length: float = 1.0, wh
     if np.linalg.norm(missing) > OUT_OF_REACH * np.linalg.norm(F):
         directions = "; ".join(direction_words(column) for column in _aligned(lost).T)
         message = f"{what} cannot be balanced: the contacts (rank {C.shape[0] - lost.shape[1]} of {C.shape[0]}) give no {directions}"
-        raise InputError(message, name="contacts", field="contacts")
+        raise OutOfReachError(message, name="contacts", field="contacts")
 
 
 def _aligned(basis: Array) -> Array:

@@ -19,7 +19,7 @@ from socp_statics.distribution.closed_form import CLOSED_FORMS
 from socp_statics.exceptions import InputError
 from socp_statics.optimization.null_directions import independent, null_direction
 from socp_statics.optimization.window_programs import WindowEnd, WindowQuestion
-from socp_statics.optimization.window_set import WindowSet
+from socp_statics.optimization.window_set import WindowSet, empty_set
 from socp_statics.optimization.wrench_distribution import distribute
 from socp_statics.spatial import Array
 from socp_statics.stability import EquilibriumAnswer, check_equilibrium
@@ -33,9 +33,11 @@ class InternalForceWindow:
 
     Attributes:
         kind: "interval", "point" or "empty" of one direction, of two also "segment" and "polygon"; "unbounded" where there is an end
-        missing. lower: The least internal force along the first direction, others as they are asked for; None where empty.
+            missing.
+        lower: The least internal force along the first direction, others as they are asked for; None where empty.
         upper: The largest.
-        particular_W: Contact wrenches of the particular solution, world axes, shape (k, 6) [N, N m].
+        particular_W: Contact wrenches of the particular solution, world axes, shape (k, 6) [N, N m]; None where the contacts cannot
+            balance the load whatever their cones, and the window is empty.
         directions: Contact wrenches per unit in contact frames, shape (1 or 2, k, 6).
         set: Of two directions, the feasible set between an inner and an outer polygon [N]; None of one.
         others: "fixed" or "free".
@@ -46,7 +48,7 @@ class InternalForceWindow:
     kind: str
     lower: WindowEnd | None
     upper: WindowEnd | None
-    particular_W: Array
+    particular_W: Array | None
     directions: Array
     set: WindowSet | None
     others: str
@@ -97,7 +99,7 @@ def internal_force_window(
         The window. With two directions the interval is that of the first with the second at zero.
 
     Raises:
-        InputError: Not one or two directions, one with a net wrench, an unknown word, or a load that the contacts cannot balance.
+        InputError: Not one or two directions, one with a net wrench, or an unknown word.
         EngineError: No engine settled a program.
     """
     if others not in OTHERS:
@@ -113,12 +115,14 @@ def internal_force_window(
     independent(posed.contacts, given)
     base = distribute(posed, particular, cone=choice, form=form, engine=engine)
     equilibrium = check_equilibrium(posed, cone=choice, form=form, engine=engine)
+    if base.wrenches_C is None:
+        nothing = empty_set(0) if len(given) == 2 else None
+        return InternalForceWindow("empty", None, None, None, np.array(given), nothing, others, equilibrium.engine, equilibrium)
     question = WindowQuestion(posed, np.array(given), base.wrenches_C, others, choice, form, engine)
     ends = question.ends()
     found = question.set(tolerance) if len(given) == 2 else None
     kind = _kind(ends, question.data.units.force) if found is None else found.kind
     lower, upper = (None, None) if ends is None else ends
-    assert base.wrenches_W is not None
     return InternalForceWindow(kind, lower, upper, base.wrenches_W, np.array(given), found, others, question.engine_used, equilibrium)
 
 

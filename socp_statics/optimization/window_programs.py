@@ -56,10 +56,9 @@ class WindowQuestion:
     """The support programs of a window, scaled: s in units of W."""
 
     def __init__(
-        self, stance: Stance, directions: Array, particular: Array | None, others: str, cone: ConeChoice, form: str,
+        self, stance: Stance, directions: Array, particular: Array, others: str, cone: ConeChoice, form: str,
         engine: str | Sequence[str],
     ):  # fmt: skip
-        assert particular is not None
         self.stance, self.cone, self.form, self.engine = stance, cone, form, engine
         self.data: StaticsData = assemble(stance)
         units = self.data.units

@@ -44,6 +44,15 @@ class WindowSet(NamedTuple):
         return self._replace(inner=W * self.inner, outer=W * self.outer, inner_area=W * W * self.inner_area)
 
 
+def empty_set(solves: int) -> WindowSet:
+    """The set of no forces.
+
+    Args:
+        solves: How many programs said so.
+    """
+    return WindowSet("empty", np.zeros((0, 2)), np.zeros((0, 2)), 0.0, 0.0, solves)
+
+
 def flat_set(farthest: Farthest, clip: float) -> WindowSet | None:
     """The set where it is empty, a point or a segment; None where it has an area.
 
@@ -58,7 +67,7 @@ def flat_set(farthest: Farthest, clip: float) -> WindowSet | None:
     for start in START:
         status, point, _ = farthest(np.array(start), clip)
         if status == INFEASIBLE:
-            return WindowSet("empty", np.zeros((0, 2)), np.zeros((0, 2)), 0.0, 0.0, len(points) + 1)
+            return empty_set(len(points) + 1)
         points.append(_attained(status, point))
     spread = np.array(points)
     i, j = max(((i, j) for i in range(4) for j in range(i)), key=lambda pair: float(np.linalg.norm(spread[pair[0]] - spread[pair[1]])))

@@ -14,7 +14,9 @@ from socp_statics.contacts.stance import stance_of
 from socp_statics.distribution.closed_form import CLOSED_FORMS, closed_forms
 from socp_statics.distribution.closed_loops import closure_wrench
 from socp_statics.distribution.distributions import load_reaction, question_of, wrenches_C
+from socp_statics.distribution.general_solution import OutOfReachError
 from socp_statics.distribution.given_wrenches import distribute_around
+from socp_statics.distribution.scaled_question import DistributionQuestion
 from socp_statics.exceptions import EngineError, InputError
 from socp_statics.optimization.contact_forces import optimise_contact_forces
 from socp_statics.optimization.force_answer import ForceAnswer
@@ -40,7 +42,7 @@ class Distribution:
 
     Attributes:
         method: Its name.
-        status: "solved"; "infeasible" where no forces inside the cones balance; "unsuitable" where the method does not apply.
+        status: "solved"; "infeasible" where no forces, or none inside the cones, balance; "unsuitable" where the method does not apply.
         note: Why it is unsuitable, or what was not met; empty otherwise.
         contacts: Names of the contacts.
         wrenches_W: ``[force; moment]`` about each contact's position, world axes, shape (k, 6) [N, N m]; None unless solved.
@@ -117,11 +119,10 @@ def distribute(
         torque_limits: Whether programs have to respect joint-torque limits: the robot's own, or a mapping of limits.
 
     Returns:
-        The distribution.
+        The distribution; infeasible where the contacts cannot balance the load whatever their cones, its note says in which directions.
 
     Raises:
-        InputError: An unknown method, one that does not suit the contacts, references that do not fit, or a load that the contacts cannot
-            balance whatever their cones, with the directions they do not give.
+        InputError: An unknown method, one that does not suit the contacts, or references that do not fit.
         EngineError: No engine settled a program.
     """
     _refuse_unknown(method)
@@ -166,7 +167,7 @@ def compare_distributions(
         The distributions with the verdict of the stance.
 
     Raises:
-        InputError: An unknown method, references that do not fit, or a load out of reach.
+        InputError: An unknown method, or references that do not fit.
         EngineError: No engine settled a program.
     """
     names = list(METHODS) if methods is None else list(methods)
@@ -194,7 +195,12 @@ class _Question:
         self.references = options["references"] or {}
         self.exponent, self.cop_weight, self.cops = options["friction_exponent"], options["cop_weight"], options["cops"]
         self.data = assemble(stance)
-        self.question = question_of([stance], self.exponent)
+        self.question: DistributionQuestion | None = None
+        self.out_of_reach = ""
+        try:
+            self.question = question_of([stance], self.exponent)
+        except OutOfReachError as error:
+            self.out_of_reach = str(error)
 
     def by(self, method: str, refuse: bool) -> Distribution:
         """The distribution of a method; one that does not suit raises or says so."""
@@ -203,22 +209,29 @@ class _Question:
             raise InputError(f"method '{method}': {reason}", name=method, field="references" if "references" in reason else "method")
         if reason is not None:
             return Distribution(method, "unsuitable", reason, self.stance.contacts.names)
-        return self._closed_form(method, refuse) if method in CLOSED_FORMS else self._program(method)
+        if self.question is None:
+            return self._infeasible(method, self.out_of_reach)
+        return self._closed_form(method, self.question, refuse) if method in CLOSED_FORMS else self._program(method)
+
+    def _infeasible(self, method: str, note: str) -> Distribution:
+        return Distribution(method, "infeasible", note, self.stance.contacts.names)
 
     def _unsuitable(self, method: str) -> str | None:
         if method in PROGRAMS:
             return "it takes no references: closed forms do" if self.references else None
-        if not (np.abs(self.question.wrench[:, :3]) > 0.0).any() and CLOSED_FORMS[method].by_lever:
+        if not load_reaction(self.stance, self.data.units.origin)[:3].any() and CLOSED_FORMS[method].by_lever:
             return "the load has no force, so there is no lever rule"
         if self.references and method == "statics_consistent":
             return None
         return CLOSED_FORMS[method].refusal(self.stance.contacts)
 
-    def _closed_form(self, method: str, refuse: bool) -> Distribution:
+    def _closed_form(self, method: str, question: DistributionQuestion, refuse: bool) -> Distribution:
         note = ""
         if self.references:
             try:
                 given = distribute_around(self.stance, method, self.references, self.exponent)
+            except OutOfReachError as error:
+                return self._infeasible(method, f"with the references met, {error}")
             except InputError as error:
                 if error.field != "method" or refuse:
                     raise
@@ -227,7 +240,7 @@ class _Question:
             if not given.met:
                 note = f"references missed by {given.missed:.3g}: the other contacts do not make up for {given.words}"
         else:
-            components = closed_forms(self.question, [method])[method][0]
+            components = closed_forms(question, [method])[method][0]
         return self._judged(Distribution(method, "solved", note, self.stance.contacts.names), wrenches_C(self.stance.contacts, components))
 
     def _program(self, method: str) -> Distribution:
@@ -239,7 +252,7 @@ class _Question:
         else:
             answer = minimise_largest_wrench(self.stance, "force", "point", **self.settings)
         if answer.forces is None:
-            return Distribution(method, "infeasible", "no forces inside the cones balance the load", self.stance.contacts.names)
+            return self._infeasible(method, "no forces inside the cones balance the load")
         entries = answer.forces.wrenches()
         W = np.array([[*entry["force"], *entry["moment"]] for entry in entries])
         turned = np.array([np.kron(np.eye(2), c.rotation.T) @ F for c, F in zip(self.stance.contacts, W, strict=True)])

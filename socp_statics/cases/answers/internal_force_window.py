@@ -78,7 +78,7 @@ def window_keys(found: InternalForceWindow, contacts: Sequence[str]) -> dict[str
         "upper": _end(found.upper, contacts),
         "width": found.width,
         "others": found.others,
-        "particular": _wrenches(contacts, found.particular_W),
+        "particular": [] if found.particular_W is None else _wrenches(contacts, found.particular_W),
     }
     if found.set is not None:
         s = found.set

@@ -131,9 +131,10 @@ def answer(problem: Problem, stance: Stance, engine: str | Sequence[str]) -> dic
     )
     keys = verdict_keys(compared.equilibrium, stance) | {"status": "solved"}
     methods = {name: method_keys(found) for name, found in compared.methods.items()}
+    if all(found.status != "solved" for found in compared.methods.values()):
+        keys["status"] = "infeasible"
     alone = compared.methods.get(stated["method"])
     if alone is not None:
-        keys["status"] = "infeasible" if alone.status == "infeasible" else "solved"
         keys["objective"] = alone.objective
         if alone.forces is not None and alone.measures is not None:
             keys |= {"wrenches": alone.forces.wrenches(), "forces": alone.forces.entries()}
