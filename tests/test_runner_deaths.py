@@ -47,6 +47,9 @@ def test_a_case_that_kills_its_process_is_alone_in_failing(place):
     failed = {record["sweep"]["case"]: record for record in load_results(out) if record["status"] == "failed"}
     assert set(failed) == {17, 23}
     assert failed[17]["failure_kind"] == "process" and "died, twice with this case alone" in failed[17]["failure"]
+    dead, broken = (failed[number]["case"]["generated"] for number in (17, 23))
+    assert dead == {"contacts": [], "com": [], "mass": 0.0}, "its posture may be what kills"
+    assert set(broken) >= set(dead)
     assert failed[23]["failure"] == "unexpected ZeroDivisionError: broken on purpose"
     assert failed[17]["verdict"] == failed[23]["verdict"] == "undecided"
     # what failed is there: it is neither computed again nor lost

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 import time
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
@@ -13,6 +14,8 @@ from socp_statics.cases.problem import Problem
 from socp_statics.cases.record import Record
 from socp_statics.cases.solve import failed_record, first_engine, no_answer, problem_hash, record_of, solve
 from socp_statics.exceptions import InputError, StaticsError
+
+NOTHING: dict[str, Any] = {"contacts": [], "com": [], "mass": 0.0}
 
 
 class Answered(NamedTuple):
@@ -80,12 +83,20 @@ def one_answered(problem: Problem, engine: str | Sequence[str]) -> Answered:
     try:
         record = solve(problem, engine)
     except InputError as error:
-        record = refused_record(problem.name, problem.raw, engine, str(error), problem.number, problem.swept)
+        record = _without_answer(problem, engine, str(error), "input")
     except StaticsError as error:
-        record = failed_record(problem, engine, str(error))
+        record = _without_answer(problem, engine, str(error), "engine")
     except Exception as error:  # a mistake of ours in one of thousands of cases is that case's failure, with its reason
-        record = failed_record(problem, engine, f"unexpected {type(error).__name__}: {error}")
+        record = _without_answer(problem, engine, f"unexpected {type(error).__name__}: {error}", "engine")
     return Answered(record, time.perf_counter() - began)
+
+
+def _without_answer(problem: Problem, engine: str | Sequence[str], reason: str, failure: str) -> Record:
+    """The record of a problem that is not answered, with its stance where it has one."""
+    try:
+        return failed_record(problem, engine, reason, failure)
+    except Exception:  # the stance itself is what failed, for the reason that is there already
+        return refused_record(problem.name, problem.raw, engine, reason, problem.number, problem.swept, failure)
 
 
 def refused_record(
@@ -94,6 +105,9 @@ def refused_record(
 ) -> Record:  # fmt: skip
     """The record of a case that has no stance: its input is wrong, or its process died.
 
+    Its case is what was asked, with nothing generated: no contacts, no coordinates of a centre of mass, no mass. Loads that cannot be read
+    are under ``case.asked`` and not where readers of records look for loads.
+
     Args:
         name: Of the problem.
         tables: What its file says, the values of the case set.
@@ -101,10 +115,12 @@ def refused_record(
         reason: Why there is no answer.
         number: Which case of a sweep it is, None where it is none.
         values: Dotted key -> value of that case.
-        failure: "input" or "process".
+        failure: "input", "engine" or "process".
     """
     stated = {key: value for key, value in tables.items() if key != "sweep"}
-    first = first_engine(engine)
+    first, posture = first_engine(engine), stated.get("posture")
+    readable = _readable(posture)
+    asked = {} if readable == posture else {"asked": {"posture": posture}}
     return Record(
         {
             "schema": SCHEMA,
@@ -112,11 +128,32 @@ def refused_record(
             "model": str(tables.get("model")),
             "hash": case_hash(stated, first),
             **({} if number is None else {"sweep": {"case": number, "values": values}}),
-            "case": {"description": "", "reference": "", "expect": {}} | stated | {"generated": {}},
-            **no_answer(first, reason),
-            "failure_kind": failure,
+            "case": {"description": "", "reference": "", "expect": {}} | stated | {"posture": readable, **asked, "generated": dict(NOTHING)},
+            **no_answer(first, reason, failure),
         }
     )
+
+
+def _readable(posture: Any) -> dict[str, Any]:
+    """The table of a posture that may be wrong, without loads that are no vectors."""
+    if not isinstance(posture, Mapping):
+        return {}
+    wrong = set() if _is_vector(posture.get("gravity", (0.0, 0.0, 0.0))) else {"gravity"}
+    wrenches = posture.get("external_wrenches", [])
+    if not isinstance(wrenches, list) or not all(map(_is_wrench, wrenches)):
+        wrong.add("external_wrenches")
+    return {key: value for key, value in posture.items() if key not in wrong}
+
+
+def _is_wrench(value: Any) -> bool:
+    """Whether a value is a table of vectors."""
+    return isinstance(value, Mapping) and all(_is_vector(value[key]) for key in ("force", "moment", "point") if key in value)
+
+
+def _is_vector(value: Any) -> bool:
+    """Whether a value is three finite numbers."""
+    numbers = isinstance(value, list | tuple) and len(value) == 3 and all(isinstance(x, int | float) for x in value)
+    return bool(numbers and all(math.isfinite(x) for x in value))
 
 
 def stamp_of(hash_: str, stated: Mapping[str, Any]) -> str:

@@ -81,25 +81,27 @@ def first_engine(engine: str | Sequence[str]) -> str:
     return engine_names(engine)[0]
 
 
-def failed_record(problem: Problem, engine: str | Sequence[str], reason: str) -> Record:
-    """The record of a problem whose computation broke down: verdict undecided, no margin, no forces.
+def failed_record(problem: Problem, engine: str | Sequence[str], reason: str, failure: str = "engine") -> Record:
+    """The record of a problem that has a stance and no answer: verdict undecided, no margin, no forces.
 
     Args:
         problem: A single problem.
         engine: As for `solve`.
-        reason: What the engine said.
+        reason: Why there is no answer.
+        failure: "engine" where the computation broke down, "input" where the model refuses the stance.
     """
     stance, first = problem.stance(), first_engine(engine)
-    keys = no_answer(first, reason) | {"cone": problem.cone.as_record(), **torque_keys(None, stance)}
+    keys = no_answer(first, reason, failure) | {"cone": problem.cone.as_record(), **torque_keys(None, stance)}
     return record_of(problem, stance, keys, first)
 
 
-def no_answer(engine: str, reason: str) -> dict[str, Any]:
+def no_answer(engine: str, reason: str, failure: str) -> dict[str, Any]:
     """What the record of a failure says instead of an answer, in the order of its keys.
 
     Args:
         engine: The engine that was asked first.
         reason: What went wrong.
+        failure: "engine", "input" or "process".
     """
     return {
         "status": "failed",
@@ -121,6 +123,7 @@ def no_answer(engine: str, reason: str) -> dict[str, Any]:
         "handovers": 0,
         "versions": versions(),
         "failure": reason,
+        "failure_kind": failure,
     }
 
 

@@ -175,7 +175,7 @@ def row_of(record: Mapping[str, Any], seconds: float | None) -> dict[str, Any]:
     row |= {
         "case": case_number(record),
         "cone": record["cone"]["kind"],
-        "mass": made.get("mass"),
+        "mass": made.get("mass") or None,
         "com_x": com[0],
         "com_y": com[1],
         "com_z": com[2],
