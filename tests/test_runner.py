@@ -258,8 +258,8 @@ REFUSALS = {
     "a contact": ("equilibrium", '"posture.contacts.foot.friction" = [0.5, -1.0]', "friction", 0, False),
     "gravity": ("equilibrium", '"posture.gravity" = [[0, 0, -9.81], "down"]', "gravity", 0, True),
     "half a force": ("equilibrium", '"posture.external_wrenches" = [[], [{ force = [1, 2] }]]', "force", 0, True),
-    "a force in words": ("equilibrium", '"posture.external_wrenches" = [[], [{ force = [0, 0, "x"], point = [0, 0, 0] }]]', "force", 0, True),
-    "a stance that the model refuses": ("wrench_distribution", '"parameters.method" = ["all", "statics_consistent"]', "lever rule", 1, False),
+    "a force in words": ("equilibrium", '"posture.external_wrenches" = [[], [{ force = [0, 0, "x"] }]]', "force", 0, True),
+    "a method": ("wrench_distribution", '"parameters.method" = ["all", "statics_consistent"]', "lever rule", 1, False),
 }
 
 
@@ -271,7 +271,8 @@ def test_records_of_refused_cases_are_read_as_all_others(what, tmp_path, capsys)
     assert main(["run", str(path), "--out", str(out), "--workers", "1", "--quiet"]) == 1
     fine, refused = sorted(ss.load_results(out), key=lambda record: record["sweep"]["case"])
     assert set(fine) - set(refused) <= {"distribution"} and set(refused) - set(fine) <= {"failure", "failure_kind"}
-    assert (refused["status"], refused["verdict"], refused["failure_kind"]) == ("failed", "undecided", "input") and word in refused["failure"]
+    assert (refused["status"], refused["verdict"], refused["failure_kind"]) == ("failed", "undecided", "input")
+    assert word in refused["failure"]
     case = refused["case"]
     made, asked = case["generated"], case["posture"]
     assert set(made) >= {"contacts", "com", "mass"} and len(made["contacts"]) == contacts and isinstance(made["mass"], float)

@@ -121,6 +121,7 @@ def refused_record(
     first, posture = first_engine(engine), stated.get("posture")
     readable = _readable(posture)
     asked = {} if readable == posture else {"asked": {"posture": posture}}
+    case = {"description": "", "reference": "", "expect": {}} | stated | {"posture": readable, **asked, "generated": dict(NOTHING)}
     return Record(
         {
             "schema": SCHEMA,
@@ -128,7 +129,7 @@ def refused_record(
             "model": str(tables.get("model")),
             "hash": case_hash(stated, first),
             **({} if number is None else {"sweep": {"case": number, "values": values}}),
-            "case": {"description": "", "reference": "", "expect": {}} | stated | {"posture": readable, **asked, "generated": dict(NOTHING)},
+            "case": case,
             **no_answer(first, reason, failure),
         }
     )
