@@ -299,11 +299,11 @@ def test_options_replace_those_of_the_kernel():
 
 def test_the_folder_of_the_kernel(tmp_path, monkeypatch):
     monkeypatch.setenv("SOCP_STATICS_CACHE", str(tmp_path / "place"))
-    folder = compilation.cache_folder()
+    folder = compilation.folder_of(compilation.KERNEL, compilation.PACKAGE)
     assert folder.parent == tmp_path / "place" and folder.name.startswith("compiled-")
     assert list(folder.iterdir()) == []
     monkeypatch.setenv("SOCP_STATICS_CACHE", "/proc/no_such_place")
-    assert compilation.cache_folder() is None
+    assert compilation.folder_of(compilation.KERNEL, compilation.PACKAGE) is None
     monkeypatch.delenv("SOCP_STATICS_CACHE")
     assert compilation.KERNEL / "__pycache__" in disk_cache._places(compilation.KERNEL)
 

@@ -3,12 +3,12 @@
 import numpy as np
 import pinocchio as pin
 import pytest
-from torque_oracles import FOUR, braced, legs, random_load, random_posture
+from torque_oracles import FOUR, braced, legs, moved_posture, random_load, random_posture
 
 import socp_statics as ss
 from socp_statics.exceptions import InputError
 from socp_statics.postures import GENERATORS
-from socp_statics.postures.moved import moved_posture, posture_on
+from socp_statics.postures.moved import posture_on
 from socp_statics.robots import load_robot
 from socp_statics.statics.joint_torques import passive_torque
 from socp_statics.statics.static_derivatives import StaticDerivatives
@@ -200,10 +200,3 @@ class TestMovedPostures:
         ours = StaticDerivatives(holding.stance()).of(world)
         numbers = along_tangent(lambda p: statics(p, (0, 0, -9.81), [], forces), holding)
         assert np.abs(ours - numbers).max() < 1e-6 * max(1.0, np.abs(ours).max())
-
-    def test_wrong_motions(self, hoap2):
-        posture = random_posture(hoap2, np.random.default_rng(31), FOUR)
-        with pytest.raises(InputError, match="motion must be 31 numbers"):
-            moved_posture(posture, np.zeros(25))
-        with pytest.raises(InputError, match="motion must be finite"):
-            moved_posture(posture, np.full(31, np.nan))

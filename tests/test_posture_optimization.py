@@ -7,7 +7,7 @@ import tomllib
 import cvxpy as cp
 import numpy as np
 import pytest
-from torque_oracles import FOUR, INF, generate, legs
+from torque_oracles import FOUR, INF, generate, legs, moved_posture
 
 import socp_statics as ss
 from socp_statics.cases.problem import load_problem, problem_from_tables
@@ -21,7 +21,7 @@ from socp_statics.models.contact_forces_set import force_shape, force_values
 from socp_statics.models.repeated_forces import repeated_forces
 from socp_statics.optimization import optimise_posture
 from socp_statics.postures.held_contacts import HeldContacts
-from socp_statics.postures.moved import moved_posture, posture_on
+from socp_statics.postures.moved import posture_on
 from socp_statics.robots import load_robot
 from socp_statics.statics import assemble
 

@@ -3,13 +3,12 @@
 import numpy as np
 import pytest
 from scipy.linalg import null_space, orth
-from torque_oracles import FOUR, generate, random_posture
+from torque_oracles import FOUR, generate, moved_posture, random_posture
 
 import socp_statics as ss
 from socp_statics.cli import main
 from socp_statics.contacts.joint import constraint_basis, mobility_basis
 from socp_statics.exceptions import InputError
-from socp_statics.postures.moved import moved_posture
 from socp_statics.robots import load_robot
 from socp_statics.statics.contact_maps import contact_jacobian, contact_map
 from socp_statics.statics.posture_types import posture_types

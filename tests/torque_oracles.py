@@ -15,6 +15,7 @@ from scipy.optimize import linprog
 import socp_statics as ss
 from socp_statics.contacts.joint import constraint_basis
 from socp_statics.postures import GENERATORS, pose
+from socp_statics.postures.moved import posture_on
 from socp_statics.spatial import skew
 from socp_statics.statics import assemble
 
@@ -29,6 +30,11 @@ def generate(name, robot, **numbers):
 
 def random_posture(robot, rng, support=FOUR):
     return pose(robot, rng.uniform(robot.lower, robot.upper), support, at=rng.uniform(-1, 1, 3))
+
+
+def moved_posture(posture, motion):
+    """The posture at ``q (+) motion``: base in its own axes, then joints, shape (nv,); contact frames ride on their links."""
+    return posture_on(posture, pin.integrate(posture.robot.pin_model, posture.q, np.asarray(motion, dtype=float)))
 
 
 def braced(robot, rng):

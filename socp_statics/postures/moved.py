@@ -1,4 +1,4 @@
-"""Postures derived from one another: other configurations on the same contacts, and small motions."""
+"""Postures derived from one another: other configurations on the same contacts, and how their points move."""
 
 from __future__ import annotations
 
@@ -6,34 +6,13 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from socp_statics.contacts import ContactSet
 from socp_statics.contacts.contact import Contact
-from socp_statics.contacts.numbers import vector
 from socp_statics.exceptions import InputError
 from socp_statics.postures.posture import Posture, configured
 from socp_statics.robots import Robot
 from socp_statics.spatial import Array, skew
-
-
-def moved_posture(posture: Posture, motion: ArrayLike) -> Posture:
-    """The posture after a motion of its configuration; its contact frames ride on their links.
-
-    Args:
-        posture: The posture.
-        motion: Tangent vector of the configuration: linear and angular displacement of the base in its own axes, then the joints, shape
-            (nv,) [m, rad].
-
-    Returns:
-        The posture at ``q (+) motion``, with its contacts wherever that puts them; its loads stay in the world.
-
-    Raises:
-        InputError: Not nv finite numbers.
-    """
-    robot = posture.robot
-    step = vector(robot.name, "motion", motion, robot.pin_model.nv, kind="robot")
-    return posture_on(posture, moved_configuration(robot, posture.q, step))
 
 
 def moved_configuration(robot: Robot, q: Array, motion: Array) -> Array:

@@ -239,9 +239,4 @@ def entry_folder(one: Entry) -> Path | None:
     return folder_of(one._source, one.__module__.rpartition(".")[0])
 
 
-def cache_folder() -> Path | None:
-    """The folder that holds the compiled kernel, or will; None when no place can be written and every process compiles anew."""
-    return folder_of(KERNEL, PACKAGE)
-
-
 note_source(KERNEL)

@@ -11,7 +11,6 @@ import math
 from socp_statics.engines.kernel.compilation import inner
 from socp_statics.engines.kernel.lanes import BLOCK, PADDING, RHS, RHS_X, RHS_Y, ROW1, S2, S3, S4, S, U, lane
 
-COLUMNS = 14
 # Pivots of the Gram matrix of G above which it has full rank beyond doubt; singular values then are above 1e-5 or so.
 FULL_RANK = 1e-8
 
