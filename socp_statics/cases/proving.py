@@ -3,25 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from socp_statics.cases.record_audit import (
     HELD,
-    check_edge,
-    check_held,
-    check_polygons,
     recorded_forces,
     recorded_motion,
     recorded_stance,
     refute,
     stated_problem,
 )
+from socp_statics.cases.region_proving import joint_rates, with_region
 from socp_statics.certificates import Motion
 from socp_statics.certificates.exact_motion import scaled_motion
-from socp_statics.certificates.exact_region import on_square, region_proof
 from socp_statics.certificates.proof import ExactStance, Proof, stable_proof, undecided, unstable_proof
 from socp_statics.certificates.scaled_forces import scaled_forces
 from socp_statics.exceptions import EngineError, InputError, StaticsError
@@ -36,9 +32,6 @@ OPEN = {
     "rank": "rank: rounding decides whether the contacts reach the load",
     None: "the record leaves it open",
 }
-CLIP = 10.0
-# The engine whose forces next to a corner are the most accurate.
-ACCURATE = "clarabel"
 ENDLESS = 1e6
 
 
@@ -96,11 +89,7 @@ def _scaled(data: StaticsData, forces: PointForces) -> Array:
 
 def _motion(data: StaticsData, certificate: Mapping[str, Any]) -> Motion:
     linear, angular, point = (np.array(certificate[key], dtype=float) for key in ("linear", "angular", "point"))
-    return scaled_motion(data, linear, angular, point, _rates(data, certificate.get("joints") or {}))
-
-
-def _rates(data: StaticsData, joints: Mapping[str, float]) -> Array:
-    return np.array([joints.get(name, 0.0) for name in data.torques.names])
+    return scaled_motion(data, linear, angular, point, joint_rates(data, certificate.get("joints") or {}))
 
 
 def _by(exact: ExactStance, x: Array | None, motion: Motion | None) -> tuple[Proof | None, str]:
@@ -147,7 +136,7 @@ def _of_record(record: Mapping[str, Any], engine: str | Sequence[str]) -> Proof:
         found, why = _by(exact, x if kind == "forces" else None, motion)
         proof = found or _solved_again(exact, record["verdict"], why, engine)
     _check_margin(record, exact.data, check_equilibrium(stance, cone=cone, form=problem.parameters["form"], engine=engine))
-    return proof if record.get("region") is None else _with_region(proof, exact, record["region"], engine)
+    return proof if record.get("region") is None else with_region(proof, exact, record["region"], engine)
 
 
 def _check_margin(record: Mapping[str, Any], data: StaticsData, again: EquilibriumAnswer) -> None:
@@ -159,62 +148,3 @@ def _check_margin(record: Mapping[str, Any], data: StaticsData, again: Equilibri
     same = given == found or (np.isnan(given) and np.isnan(found)) or min(abs(given), abs(found)) > ENDLESS * W
     if not same and not abs(given - found) <= HELD * (W + abs(found)):
         raise refute("margin", f"solving again finds {found:.6g} N, the record says {record['margin']}")
-
-
-def _with_region(proof: Proof, exact: ExactStance, region: Mapping[str, Any], engine: str | Sequence[str]) -> Proof:
-    """The proof with that of the region of a record."""
-    nowhere = (0.0, 0.0)
-    inner, outer = (np.array(region[key], dtype=float).reshape(-1, 2) for key in ("inner", "outer"))
-    if region["kind"] not in ("polygon", "unbounded") or len(inner) < 3 or len(outer) < 3:
-        check_polygons(region)
-        return proof.with_region(None, f"a region that is {region['kind']} has no edges with motions", nowhere)
-    if region.get("widened"):
-        return proof.with_region(None, "the set of forces has no interior, it was traced with widened cones", nowhere)
-    data, stance = exact.data, exact.stance
-    forces = [_recorded(data, region["points"], entry) for entry in region["inner_forces"]]
-    if len(forces) != len(inner) or len(region["outer_multipliers"]) != len(outer):
-        raise refute("region", "forces for each inner corner, and a motion for each outer edge, are expected")
-    for i, (corner, x) in enumerate(zip(inner, forces, strict=True)):
-        check_held(_moved(data, stance.com, corner), exact.cone, x, f"region.inner[{i}]")
-    origin, reach = data.units.origin, CLIP * data.units.length
-    square = np.column_stack([origin[:2] - reach, origin[:2] + reach]) if region["kind"] == "unbounded" else None
-    rates = region.get("outer_joint_rates") or [{}] * len(outer)
-    motions = []
-    for i, clipped in enumerate(on_square(outer, square)):
-        if not clipped:
-            given = np.array(region["outer_multipliers"][i], dtype=float)
-            motions.append(scaled_motion(data, given[:3], given[3:], origin, _rates(data, rates[i])))
-            check_edge(data, exact.cone, motions[-1], f"region.outer_multipliers[{i}]")
-    check_polygons(region)
-    centre = inner.mean(axis=0)
-    inside = _inside(exact, centre, engine)
-    if inside is None:
-        return proof.with_region(None, "there are no forces inside the cones in the middle of it", nowhere)
-
-    def again(place: Array) -> Array | None:
-        return _inside(exact, place, ACCURATE)
-
-    return proof.with_region(*region_proof(exact, inner, forces, (centre, inside), outer, motions, square, again))
-
-
-def _recorded(data: StaticsData, points: Sequence[Mapping[str, Any]], entry: Any) -> Array:
-    """Scaled forces of an inner corner."""
-    table = np.array(entry, dtype=float)
-    moments = table[:, 3:] if table.shape[1] == 6 else np.zeros_like(table)
-    return scaled_forces(data, [point["contact"] for point in points], table[:, :3], moments)
-
-
-def _moved(data: StaticsData, com: Array, corner: Array) -> StaticsData:
-    return replace(data, load=data.load + data.com_load @ ((corner - com[:2]) / data.units.length))
-
-
-def _inside(exact: ExactStance, place: Array, engine: str | Sequence[str]) -> Array | None:
-    """Scaled forces as far inside their cones as can be with the centre of mass somewhere, None where there are none."""
-    from socp_statics.stability import check_equilibrium
-
-    there = replace(exact.stance, com=[*place, exact.stance.com[2]])
-    try:
-        answer = check_equilibrium(there, cone=exact.cone, engine=engine)
-    except EngineError:
-        return None
-    return None if answer.forces is None else _scaled(exact.data, answer.forces)

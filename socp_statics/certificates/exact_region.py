@@ -1,4 +1,4 @@
-"""Proof of a support region: inner corners pulled in and outer edges pushed out by next to nothing, each with what proves it."""
+"""Proof of a support region: empty, or inner corners pulled in and outer edges pushed out by next to nothing, each with what proves it."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def region_proof(
         forces: Scaled unknowns of each.
         middle: A position inside, shape (2,) [m], with forces well inside every cone there.
         outer: Outer corners, shape (l, 2) [m].
-        motions: Scaled motions behind the outer edges.
+        motions: Scaled motions behind the outer edges; of a segment or a point, along it and across it, either way.
         square: Of a region without end ``[[x_min, x_max], [y_min, y_max]]``, what the polygons are clipped to [m]; else None.
         again: Scaled unknowns as far inside their cones as can be with the centre of mass somewhere, shape (2,) [m], or None: asked
             for corners whose forces are not accurate enough.
@@ -71,6 +71,31 @@ def region_proof(
     except (Refuted, Unreadable) as error:
         return None, str(error), nowhere
     return entry, "", moved
+
+
+def empty_proof(exact: ExactStance, motion: Motion) -> tuple[dict[str, Any] | None, str]:
+    """A proof that a region is empty.
+
+    Args:
+        exact: The stance.
+        motion: Scaled, driven by the load wherever the centre of mass is but for rounding; its turning is made parallel to the weight
+            exactly, so that the place of the centre of mass does not matter.
+
+    Returns:
+        The entry of the proof file, or None; and why there is none.
+    """
+    why, weight = "there is no motion", exact.statement.weight
+    for table in motion_tables(exact.statement, exact.data, exact.cone, motion, exact.opening):
+        turning = Fraction(table["angular"][2]) / weight[2]
+        upright = table | {"angular": rationals([turning * v for v in weight])}
+        entry: dict[str, Any] = {"inner": [], "outer": [], "corners": [], "edges": [upright]}
+        try:
+            check_region(exact.statement, Place(entry, "region"))
+        except (Refuted, Unreadable) as error:
+            why = str(error)
+            continue
+        return entry, ""
+    return None, why
 
 
 def on_square(outer: Array, square: Array | None) -> list[bool]:

@@ -7,7 +7,8 @@ A contact force is R f, R the matrix of the file (columns t1, t2, n; floats, not
 or in a pyramid with the face normals and the slope factor of the file; it acts at position + R (x, y, 0). Forces and motions meet in
 the power, so that cones and their duals need no roots. "Stable": forces that balance the load, each in its cone, bound and limit.
 "Unstable": a motion (a twist, with rates of limited joints) on which the load does more work than forces and torques can take up.
-"Region": forces at every inner corner, and motions whose half-planes, two at a time, imply every outer edge.
+"Region": forces at every inner corner, and motions whose half-planes, two at a time, imply every outer edge, of a segment or a point
+its ends too; "empty": a motion that the load drives wherever the centre of mass is.
 """
 
 from __future__ import annotations
@@ -27,11 +28,9 @@ DISPLACED = Fraction(1, 10**8)
 RATIONAL = re.compile(r"-?\d{1,4000}(/0*[1-9]\d{0,4000})?")
 COMPONENTS = ("fx", "fy", "fz", "mx", "my", "mz")
 TYPES = ("point", "surface", "line", "soft_finger", "frictionless_point", "frictionless_surface", "handle")
-CONES = ("exact", "inscribed", "circumscribed")
 ZERO = [Fraction(0)] * 3
 Vector = Sequence[Fraction]
 Ends = tuple[Fraction | None, Fraction | None]
-Forces = dict[str, list[Vector]]
 
 
 class Refuted(Exception):
@@ -160,13 +159,12 @@ def read_contact(table: Place) -> Contact:
     """A contact with what it transmits: friction, normal and torsional components at its points, or those of a handle."""
     name, kind, position = table("name").word(), table("type").word(TYPES), table("position").numbers(3)
     axes: list[list[Fraction]] = [list(axis) for axis in zip(*table("rotation").numbers(3, 3), strict=True)]
-    units: list[list[Vector]]
     if kind == "handle":
         words = [COMPONENTS.index(word.word(COMPONENTS)) for word in table("transmits").each()]
         if len(set(words)) < len(words):
             raise Unreadable(f"{table.at}.transmits: a component is named twice")
-        units = [[[*axes[i], *ZERO] if i < 3 else [*ZERO, *axes[i - 3]] for i in words]]
-        return Contact(name, position, [position], units, limits=[ends.ends() for ends in table("limits").each(len(words))])
+        held: list[Vector] = [[*axes[i], *ZERO] if i < 3 else [*ZERO, *axes[i - 3]] for i in words]
+        return Contact(name, position, [position], [held], limits=[ends.ends() for ends in table("limits").each(len(words))])
     arms = [add([x * a for a in axes[0]], [y * a for a in axes[1]]) for x, y in table("points").numbers(None, 2)]
     friction = Fraction(0) if kind.startswith("frictionless") else table("friction").numbers()
     torsion, box = Fraction(0), False
@@ -187,7 +185,7 @@ def read_statement(table: Place) -> Statement:
     contacts = [read_contact(one) for one in table("contacts").each()]
     if len({contact.name for contact in contacts}) < max(len(contacts), 1):
         raise Unreadable(f"{table.at}.contacts: at least one contact, with unique names, is expected")
-    kind = table("cone")("kind").word(CONES)
+    kind = table("cone")("kind").word(("exact", "inscribed", "circumscribed"))
     faces = [] if kind == "exact" else table("cone")("faces").numbers(None, 2)
     slope = Fraction(1) if kind == "exact" else table("cone")("slope").numbers()
     mass, force, moment = table("mass").numbers(), ZERO, ZERO
@@ -202,7 +200,7 @@ def read_statement(table: Place) -> Statement:
     return Statement(contacts, kind, faces, slope, table("com").numbers(3), weight, force, moment, names, limits, passive, jacobians)
 
 
-def read_forces(statement: Statement, table: Place) -> Forces:
+def read_forces(statement: Statement, table: Place) -> dict[str, list[Vector]]:
     """Components of the forces in contact frames, by contact and point."""
     points = {c.name: zip(table(c.name).each(len(c.units)), c.units, strict=True) for c in statement.contacts}
     return {name: [f.numbers(len(units)) for f, units in pairs] for name, pairs in points.items()}
@@ -220,12 +218,6 @@ def between(a: Vector, b: Vector, v: Vector) -> tuple[Fraction, Fraction] | None
     area = a[0] * b[1] - a[1] * b[0]
     shares = ((v[0] * b[1] - v[1] * b[0]) / area, (a[0] * v[1] - a[1] * v[0]) / area) if area else None
     return shares if shares and min(shares) >= 0 else None
-
-
-def slide(statement: Statement, friction: Fraction, v: Vector) -> Fraction | None:
-    """Largest ``-v . f`` over the polygon ``n_j . f <= friction slope``: -v as a combination >= 0 of two neighbouring face normals."""
-    shares = (between(a, b, [-v[0], -v[1]]) for a, b in zip(statement.faces, statement.faces[1:] + statement.faces[:1], strict=True))
-    return next((friction * statement.slope * (first + second) for first, second in filter(None, shares)), None)
 
 
 def in_cone(statement: Statement, contact: Contact, f: Vector) -> bool:
@@ -252,11 +244,13 @@ def in_dual(statement: Statement, contact: Contact, u: Vector, grip: Fraction) -
     if statement.cone == "exact":
         rest, more = (normal - twist, Fraction(0)) if boxed else (normal, twist)
         return rest >= 0 and mu**2 * (u[0] ** 2 + u[1] ** 2) + more**2 <= rest**2
-    most = slide(statement, mu, u[:2])
+    # the most work against the sliding over n_j . f <= mu slope: its direction as a combination >= 0 of two neighbouring normals
+    shares = (between(a, b, [-u[0], -u[1]]) for a, b in zip(statement.faces, statement.faces[1:] + statement.faces[:1], strict=True))
+    most = next((mu * statement.slope * (first + second) for first, second in filter(None, shares)), None)
     return most is not None and normal >= (most + twist if boxed else max(most, twist))
 
 
-def check_forces(statement: Statement, forces: Forces, com: Vector, at: str) -> None:
+def check_forces(statement: Statement, forces: dict[str, list[Vector]], com: Vector, at: str) -> None:
     """Forces balance the load with the centre of mass at ``com``, and each is admissible."""
     force, moment = (statement.load(com)[i : i + 3] for i in (0, 3))
     torques = list(statement.passive)
@@ -312,31 +306,38 @@ def least_work(statement: Statement, motion: Motion, at: str) -> Fraction:
 def check_region(statement: Statement, region: Place) -> tuple[float, float]:
     """Every inner corner is in balance, every outer edge is implied, moved by at most 1e-8 of the size; by how much is returned [m]."""
     inner, outer = region("inner").numbers(None, 2), region("outer").numbers(None, 2)
-    if len(outer) < 3:
-        raise Unreadable(f"{region.at}.outer: at least three corners are expected")
     most, pulled, pushed = DISPLACED**2 * statement.size_squared(), Fraction(0), Fraction(0)
     for corner, given in zip(region("corners").each(len(inner)), inner, strict=True):
-        place = corner("com").numbers(2)
-        moved = sub(place, given)
+        moved = sub(place := corner("com").numbers(2), given)
         pulled = max(pulled, dot(moved, moved))
         if pulled > most:
             raise Refuted(f"{corner.at}.com: the corner was moved by more than 1e-8 of the size")
         check_forces(statement, read_forces(statement, corner("forces")), [*place, statement.com[2]], corner.at)
     planes = [half_plane(statement, read_motion(statement, edge), edge.at) for edge in region("edges").each()]
+    if not outer and not any(b < 0 and not any(a) for a, b in planes):
+        raise Refuted(f"{region.at}.edges: no motion is driven wherever the centre of mass is")
     if region.value.get("square") is not None:
-        for i, (low, high) in enumerate(region("square").numbers(2, 2)):
-            axis = [Fraction(1 - i), Fraction(i)]
-            planes += [(axis, high), ([-v for v in axis], -low)]
-    angles = [atan2(a[1], a[0]) for a, _ in planes]
-    for i, (a, b) in enumerate(zip(outer, outer[1:] + outer[:1], strict=True)):
-        normal = [b[1] - a[1], a[0] - b[0]]
-        offset = furthest(planes, angles, normal) if any(normal) else dot(normal, a)
-        if offset is None:
-            raise Refuted(f"{region.at}.outer[{i}]: no two of the motions bound the region beyond this edge")
-        pushed = max(pushed, max(offset - dot(normal, a), Fraction(0)) ** 2 / (dot(normal, normal) or 1))
-        if pushed > most:
-            raise Refuted(f"{region.at}.outer[{i}]: the motions bound the region only further out than 1e-8 of the size")
+        (left, right), (low, high) = region("square").numbers(2, 2)
+        square = sides([[left, low], [right, low], [right, high], [left, high]], f"{region.at}.square")
+        planes += [(normal, dot(normal, corner)) for normal, corner in square]
+    for i, (normal, a) in enumerate(sides(outer, f"{region.at}.outer")):
+        offset = furthest(planes, normal) if any(normal) else dot(normal, a)
+        if offset is not None:
+            pushed = max(pushed, max(offset - dot(normal, a), Fraction(0)) ** 2 / (dot(normal, normal) or 1))
+        if offset is None or pushed > most:
+            raise Refuted(f"{region.at}.outer[{i}]: no two of the motions bound the region within 1e-8 of the size of this edge")
     return float(pulled) ** 0.5, float(pushed) ** 0.5
+
+
+def sides(outer: list[Vector], at: str) -> list[tuple[Vector, Vector]]:
+    """Outward normals, each with a corner, whose half-planes leave the hull of the corners: of a polygon, a segment, a point or none."""
+    if len(outer) > 2:
+        edges = list(zip(outer, outer[1:] + outer[:1], strict=True))
+        if sum(a[0] * b[1] - a[1] * b[0] for a, b in edges) <= 0:
+            raise Unreadable(f"{at}: a polygon with an area, counter-clockwise, is expected")
+        return [([b[1] - a[1], a[0] - b[0]], a) for a, b in edges]
+    x, y = sub(outer[-1], outer[0]) if outer and outer[-1] != outer[0] else [Fraction(1), Fraction(0)]
+    return [([x, y], outer[-1]), ([-x, -y], outer[0]), ([-y, x], outer[0]), ([y, -x], outer[0])] if outer else []
 
 
 def half_plane(statement: Statement, motion: Motion, at: str) -> tuple[Vector, Fraction]:
@@ -346,9 +347,9 @@ def half_plane(statement: Statement, motion: Motion, at: str) -> tuple[Vector, F
     return cross(statement.weight, motion.angular)[:2], -work
 
 
-def furthest(planes: list[tuple[Vector, Fraction]], angles: list[float], normal: Vector) -> Fraction | None:
+def furthest(planes: list[tuple[Vector, Fraction]], normal: Vector) -> Fraction | None:
     """Least bound of ``normal . c`` that two half-planes ``a . c <= b`` imply; angles, floats, only choose which ones to try."""
-    turn = [(angle - atan2(normal[1], normal[0])) % tau for angle in angles]
+    turn = [(atan2(a[1], a[0]) - atan2(normal[1], normal[0])) % tau for a, _ in planes]
     order = sorted(range(len(planes)), key=turn.__getitem__)
     pairs = [(planes[i], planes[j]) for i, j in product([*order[:3], *order[-1:]], [*order[:1], *order[-3:]])]
     found = [(between(a, c, normal), b, d) for (a, b), (c, d) in pairs]
@@ -368,14 +369,15 @@ def verify(document: Any) -> str:
         check_forces(statement, read_forces(statement, file("forces")), add(statement.com, shift), "forces")
         proved.append("stable" + (" with the centre of mass moved by less than 1e-12 of the size" if any(shift) else ""))
     elif claim == "unstable":
-        motion = read_motion(statement, file("motion"))
-        power = dot(statement.load(statement.com), [*motion.linear, *motion.angular]) + least_work(statement, motion, "motion")
+        normal, offset = half_plane(statement, read_motion(statement, file("motion")), "motion")
+        power = dot(normal, statement.com[:2]) - offset
         if power <= 0:
             raise Refuted(f"motion: load, forces and torques need not do work on it, their least power is {float(power):.3g} W")
         proved.append("unstable")
     if document.get("region") is not None:
         check_region(statement, file("region"))
-        proved.append("region between its polygons" + (" in its square" if file("region").value.get("square") is not None else ""))
+        kind = ("empty", "a point", "a segment")[len(file("region").value["outer"]) :][:1] or ("between its polygons",)
+        proved.append(f"region {kind[0]}" + (" in its square" if file("region").value.get("square") is not None else ""))
     if not proved:
         raise Refuted(f"claim: nothing is claimed, the verdict is undecided ({document.get('reason')})")
     return "proved " + ", ".join(proved)
@@ -388,12 +390,10 @@ def main(arguments: list[str]) -> int:
         with open(path, encoding="utf-8") as file:
             print(f"{path}: {verify(json.load(file))}")
         return 0
-    except (Refuted, OverflowError) as error:
-        status, reason = 1, str(error)
-    except (OSError, ValueError, RecursionError, Unreadable) as error:
-        status, reason = 2, f"a proof (JSON) is expected, {error}"
-    print(f"{path}: {reason}", file=sys.stderr)
-    return status
+    except (Refuted, Unreadable, OverflowError, OSError, ValueError, RecursionError) as error:
+        refuted = isinstance(error, Refuted | OverflowError)
+        print(f"{path}: {'' if refuted else 'a proof (JSON) is expected, '}{error}", file=sys.stderr)
+        return 1 if refuted else 2
 
 
 if __name__ == "__main__":

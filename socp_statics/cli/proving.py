@@ -88,14 +88,15 @@ def _write(proof: Proof, path: Path) -> None:
 
 def _lines(record: Mapping[str, Any], proof: Proof) -> list[str]:
     """The proof in a few lines for a person."""
-    words = {"stable": "forces balance the load exactly, each in its cone", "unstable": "a motion that no admissible force can prevent"}
-    verdict = f"proved {proof.verdict}: {words[proof.verdict]}" if proof.proved else f"undecided ({proof.reason})"
+    proves = {"stable": "forces balance the load exactly, each in its cone", "unstable": "a motion that no admissible force can prevent"}
+    verdict = f"proved {proof.verdict}: {proves[proof.verdict]}" if proof.proved else f"undecided ({proof.reason})"
     lines = [("problem", f"{record['problem']}, {record['model']}"), ("verdict", verdict)]
     if proof.shift:
         lines.append(("CoM", f"moved by {proof.shift:.1e} m, so that the contacts reach the load in spite of rounding"))
     if proof.region == "proved":
         moved = f"inner corners pulled in by at most {proof.pulled:.1e} m, outer edges pushed out by at most {proof.pushed:.1e} m"
-        lines.append(("region", f"proved: between its polygons, {moved}"))
+        words = {0: "empty", 1: f"a point, {moved}", 2: f"a segment, {moved}"}
+        lines.append(("region", f"proved: {words.get(len(record['region']['outer']), f'between its polygons, {moved}')}"))
     elif proof.region is not None:
         lines.append(("region", f"undecided ({proof.region_reason})"))
     if record.get("reason") == "torque" and proof.proved:
