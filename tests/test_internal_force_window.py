@@ -273,7 +273,9 @@ def test_where_the_contacts_cannot_balance_the_load_the_window_is_empty(count, t
     text += '[posture]\ngenerator = "contacts"\nmass = 60.0\ncom = [0.1, 0, 1]\n'
     path, out = tmp_path / "line.toml", tmp_path / "record.json"
     path.write_text(text + "".join(contact.format(name, *place) for name, place in places.items()))
-    assert main(["solve", str(path), "--json", str(out)]) == 0
+    assert main(["solve", str(path), "--json", str(out), "--figure", str(tmp_path / "line.svg")]) == 0
+    drawn = (tmp_path / "line.svg").read_text()
+    assert "no forces balance the load" in drawn and "particular solution" not in drawn
     record = json.loads(out.read_text())
     assert (record["status"], record["verdict"], record["certificate"]["kind"]) == ("solved", "unstable", "motion")
     window = record["window"]

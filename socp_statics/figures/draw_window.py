@@ -29,6 +29,7 @@ class WindowShape(NamedTuple):
         inner: Attained points of the set of two directions, shape (k, 2), empty of one direction.
         outer: Corners of its supporting lines, shape (l, 2).
         names: What the axes are.
+        reachable: Whether there is a particular solution, whatever the cones.
     """
 
     lower: float | None
@@ -36,6 +37,7 @@ class WindowShape(NamedTuple):
     inner: Array
     outer: Array
     names: tuple[str, str]
+    reachable: bool = True
 
 
 def window_in_record(record: Mapping[str, Any]) -> WindowShape | None:
@@ -47,7 +49,7 @@ def window_in_record(record: Mapping[str, Any]) -> WindowShape | None:
     names = [f"internal force {' - '.join(d)} [N]" if isinstance(d, list) else f"direction {i + 1}" for i, d in enumerate(directions)]
     ends = [None if window[key] is None else float(window[key]["value"]) for key in ("lower", "upper")]
     inner, outer = (np.array(window.get("set", {}).get(key, []), dtype=float).reshape(-1, 2) for key in ("inner", "outer"))
-    return WindowShape(ends[0], ends[1], inner, outer, (names[0], names[-1]))
+    return WindowShape(ends[0], ends[1], inner, outer, (names[0], names[-1]), bool(window["particular"]))
 
 
 def draw_window(window: InternalForceWindow, ax: Axes | None = None) -> Axes:
@@ -63,7 +65,7 @@ def draw_window(window: InternalForceWindow, ax: Axes | None = None) -> Axes:
     none = np.zeros((0, 2))
     inner, outer = (none, none) if window.set is None else (window.set.inner, window.set.outer)
     ends = [None if end is None else end.value for end in (window.lower, window.upper)]
-    shape = WindowShape(ends[0], ends[1], inner, outer, ("first direction [N]", "second direction"))
+    shape = WindowShape(ends[0], ends[1], inner, outer, ("first direction [N]", "second direction"), window.particular_W is not None)
     with house_style():
         own = new_axes() if ax is None else ax
         bars = add_window(own, shape)
@@ -79,7 +81,7 @@ def add_window(ax: Axes, shape: WindowShape) -> Bars:
     ends = [end for end in (shape.lower, shape.upper) if end is not None and np.isfinite(end)]
     along = np.array([*corners[:, 0], *ends])
     low, high = along.min(), along.max()
-    size = max(high - low, 1e-9)
+    size = high - low if high - low > 1e-9 else 1.0
     ax.set_xlim(low - RIM * size, high + RIM * size)
     if not flat:
         add_filled(ax, shape.inner, facecolor=BLUE, alpha=0.25, zorder=2.0, label="attained")
@@ -95,10 +97,13 @@ def add_window(ax: Axes, shape: WindowShape) -> Bars:
         shown = np.clip([shape.lower, shape.upper], *ax.get_xlim())
         add_line(ax, np.column_stack([shown, [0.0, 0.0]]), color=BLACK, linewidth=1.6, zorder=4.0, label="window of the first direction")
         add_dots(ax, np.array([[end, 0.0] for end in ends]).reshape(-1, 2), "|", 7.0, markeredgecolor=BLACK, zorder=4.5)
-    look = {"markerfacecolor": VERMILLION, "markeredgecolor": VERMILLION, "zorder": 5.0}
-    add_dots(ax, np.zeros((1, 2)), "o", 4.0, label="particular solution", **look)
-    ax.axhline(0.0, color=GREY, linewidth=0.4, zorder=1.0)
-    ax.axvline(0.0, color=GREY, linewidth=0.4, zorder=1.0)
+    if shape.reachable:
+        look = {"markerfacecolor": VERMILLION, "markeredgecolor": VERMILLION, "zorder": 5.0}
+        add_dots(ax, np.zeros((1, 2)), "o", 4.0, label="particular solution", **look)
+        ax.axhline(0.0, color=GREY, linewidth=0.4, zorder=1.0)
+        ax.axvline(0.0, color=GREY, linewidth=0.4, zorder=1.0)
+    else:
+        ax.text(0.5, 0.5, "empty: no forces balance the load", transform=ax.transAxes, ha="center", va="center")
     ax.set_xlabel(shape.names[0])
     ax.xaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 5, 10]))
     ax.xaxis.labelpad = 2.0
