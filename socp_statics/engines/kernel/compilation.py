@@ -20,7 +20,7 @@ from typing import Any
 import numba
 
 from socp_statics.engines.kernel.disk_cache import DiskCache, folder_of, note_source
-from socp_statics.engines.kernel.enclosed import enclosed
+from socp_statics.engines.kernel.enclosed import EnclosedCompiler, Part
 
 # Sums may be reordered and quotients become products; NaN and infinity keep their meaning, because the solver tests for them.
 OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy", "fastmath": {"reassoc", "contract", "arcp", "nsz"}}
@@ -142,7 +142,7 @@ class Entry:
         return self._address
 
     def _compiled(self) -> Callable[..., Any]:
-        dispatcher = numba.njit(**self._options)(self.py_func)
+        dispatcher = numba.njit(**self._options, pipeline_class=EnclosedCompiler)(self.py_func)
         if numba.config.DISABLE_JIT:
             return dispatcher
         dispatcher._cache = self._cache()
@@ -150,8 +150,7 @@ class Entry:
         collecting = gc.isenabled()
         gc.disable()
         try:
-            with enclosed(dispatcher, self.py_func.__qualname__):
-                dispatcher.compile(self.signature)
+            dispatcher.compile(self.signature)
         finally:
             if collecting:
                 gc.enable()
@@ -177,7 +176,7 @@ def inner(function: Callable[..., Any] | None = None, **options: Any) -> Any:
         options: Options of `numba.njit` that replace those of the kernel, for example ``fastmath=False``.
 
     Returns:
-        What `numba.njit` returns, or a decorator when only options were given.
+        What entries call, or a decorator when only options were given.
 
     Raises:
         TypeError: The function is not at the top level of its module.
@@ -185,7 +184,7 @@ def inner(function: Callable[..., Any] | None = None, **options: Any) -> Any:
     if function is None:
         return lambda decorated: inner(decorated, **options)
     _folder(function)
-    return numba.njit(**{**OPTIONS, **options})(function)
+    return function if numba.config.DISABLE_JIT else Part(function, {**OPTIONS, **options})
 
 
 def entry(signature: str, **options: Any) -> Callable[[Callable[..., Any]], Entry]:
