@@ -333,6 +333,48 @@ tell(sorted({one.linkage.name for one in functions if "scaled" in one.name or "t
     assert set(run(toy, code)[0]["value"]) <= {"internal", "private"}
 
 
+INNER = """
+from numba import njit
+from toy.small import scaled
+total(7.0, 1)
+assert len(scaled.overloads) == 1 and not any(one.library._finalized for one in scaled.overloads.values())
+said = []
+for call in (scaled, njit(lambda x: scaled(x))):
+    try:
+        call(3.0)
+    except Exception as error:
+        said.append(str(error))
+tell([said, scaled.py_func(3.0)])
+"""
+
+
+def test_an_inner_function_is_compiled_with_entries_only(toy):
+    # It is lowered for them, but never made machine code of its own, which is what Python and other compiled code would call.
+    said, value = run(toy, INNER)[0]["value"]
+    assert len(said) == 2 and "scaled is an inner function: only entries can call it; Python can call its py_func" in said[0]
+    assert "scaled is an inner function: only entries can call it" in said[1]
+    assert value == 6.0
+
+
+NUMBERS = """
+from socp_statics.engines.kernel.compilation import entry, inner
+
+@inner
+def shifted(n, by):
+    return n + by
+
+@entry("int64(int64)")
+def far(n):
+    return shifted(shifted(n, 1), 2) + shifted(3, n)
+"""
+
+
+def test_a_number_in_the_source_does_not_compile_an_inner_function_once_more(toy):
+    (toy / "numbers.py").write_text(NUMBERS)
+    code = "from toy.numbers import far, shifted\ntell([far(4), len(shifted.overloads)])"
+    assert run(toy, code)[0]["value"] == [14, 1]
+
+
 ORDERS = ("tracing.trace", "reserves.reserves"), ("reserves.reserves", "tracing.trace")
 ANSWERS = """
 import sys

@@ -43,6 +43,17 @@ def test_groups_of_entries_are_compiled_at_the_same_time(toy):
     assert run(toy, "os.cpu_count = lambda: 2\n" + SIDE_BY_SIDE, **cpus)[0]["value"] == [[True, True, True], []]
 
 
+@pytest.mark.parametrize("processors, children", [(2, 1), (3, 2), (8, 2)])
+def test_there_are_no_more_processes_than_processors(toy, processors, children):
+    (toy / "more.py").write_text(MORE)
+    (toy / "most.py").write_text(MORE.replace("doubled", "tripled").replace("2 * n", "3 * n"))
+    code = f"os.cpu_count = lambda: {processors}\nfrom toy.most import tripled\n" + SIDE_BY_SIDE
+    code = code.replace('("more",))', '("more",), ("most",))').replace("next_one, doubled)", "next_one, doubled, tripled)")
+    code = code.replace("doubled(4)) == (14.0, 2, 8)", "doubled(4), tripled(4)) == (14.0, 2, 8, 12)")
+    hits, codes = run(toy, code, PYTHONPATH=os.pathsep.join((str(ROOT), str(toy.parent))))[0]["value"]
+    assert hits == [False, False, True, True] and codes == [0] * children
+
+
 @pytest.mark.parametrize("why", ["one processor", "a child that fails"])
 def test_what_no_child_compiled_is_compiled_here(toy, why):
     (toy / "more.py").write_text(MORE)

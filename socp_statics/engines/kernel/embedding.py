@@ -157,8 +157,7 @@ def measure(W, F):
     return primal_off, dual_off, abs(primal - dual) / (1.0 + min(abs(primal), abs(dual))), primal, dual
 
 
-# Inlined because it is called in one place: compiled on its own it would be compiled twice.
-@inner(inline="always")
+@inner
 def advance(W, F):
     """One predictor and corrector step from the iterate that was measured.
 

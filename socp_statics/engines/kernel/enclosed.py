@@ -16,6 +16,7 @@ from numba.core.compiler import Compiler
 from numba.core.compiler_machinery import register_pass
 from numba.core.registry import CPUDispatcher
 from numba.core.typed_passes import NativeLowering
+from numba.core.types import unliteral
 
 
 class PartLibrary(JITCodeLibrary):
@@ -43,21 +44,19 @@ class PartLibrary(JITCodeLibrary):
 class EnclosedLibrary(PartLibrary):
     """The code of an entry and of all its parts, seen by nobody else."""
 
+    def __init__(self, codegen: Any, name: str):
+        super().__init__(codegen, name)
+        self._part_names: set[str] = set()
+
     def finalize(self) -> None:
         """Link the parts, optimise and make machine code."""
         parts, others = _parts_of(self)
         for part in parts:
             self._reload_init.update(part._reload_init)
-            for value in part._final_module.functions:
-                if not value.is_declaration:
-                    self._part_names.add(value.name)
+            self._part_names.update(one.name for one in part._final_module.functions if not one.is_declaration)
             self._final_module.link_in(part._final_module, preserve=True)
         self._linking_libraries = others
         super(PartLibrary, self).finalize()
-
-    def __init__(self, codegen: Any, name: str):
-        super().__init__(codegen, name)
-        self._part_names: set[str] = set()
 
     def _optimize_final_module(self) -> None:
         # Before, so that the optimiser knows that nobody else calls them, and after, for what it made.
@@ -146,6 +145,15 @@ class Part(CPUDispatcher):
 
     def __init__(self, function: Callable[..., Any], options: dict[str, Any]):
         super().__init__(function, targetoptions={"nopython": True, **options}, pipeline_class=_PartCompiler)
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        """What a call means to Numba, which would compile the function once more for every number that is written in the source.
+
+        Args:
+            args: Types of the arguments.
+            kws: Types of those that are named.
+        """
+        return super().get_call_template(tuple(map(unliteral, args)), {name: unliteral(kind) for name, kind in kws.items()})
 
     def add_overload(self, result: Any) -> None:
         """Keep what was compiled for callers that are compiled; there is nothing for Python to call."""

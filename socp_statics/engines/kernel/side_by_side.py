@@ -12,7 +12,8 @@ from collections.abc import Iterable, Sequence
 
 from socp_statics.engines.kernel.compilation import Entry, compiling, entries_of, entry_folder
 
-# Modules of the kernel, by what they share: the programs with five unknowns, preparing and tracing plans, solving them.
+# Modules of the kernel, by what they share: the programs with five unknowns, preparing and tracing plans, solving them. The first group
+# takes as long as the other two.
 SHARED = (
     ("directions", "largest_forces", "reserves", "tracing"),
     ("limited_rows", "plan", "plan_tracing"),
@@ -25,7 +26,8 @@ def load_side_by_side(entries: Iterable[Entry], shared: Sequence[Sequence[str]] 
 
     Args:
         entries: The entries.
-        shared: Names of modules whose entries are compiled in one process; entries of other modules go with the first group.
+        shared: Names of modules whose entries are compiled in one process; entries of other modules go with the first group. Where
+            there are more groups than processors, the last ones are compiled in one process.
     """
     wanted = tuple(entries)
     groups: dict[int, list[Entry]] = {}
@@ -33,8 +35,11 @@ def load_side_by_side(entries: Iterable[Entry], shared: Sequence[Sequence[str]] 
         if not one.kept():
             module = one.__module__.rpartition(".")[2]
             groups.setdefault(next((i for i, names in enumerate(shared) if module in names), 0), []).append(one)
-    alone = len(groups) < 2 or (os.cpu_count() or 1) < 2 or not sys.executable
-    mine, *others = groups.values() if groups else [[]]
+    processors = os.cpu_count() or 1
+    alone = len(groups) < 2 or processors < 2 or not sys.executable
+    mine, *others = (groups[which] for which in sorted(groups)) if groups else [[]]
+    if len(others) >= processors:
+        others = [*others[: processors - 2], [one for group in others[processors - 2 :] for one in group]]
     with compiling():
         children = [] if alone or entry_folder(mine[0]) is None else [_child(group) for group in others]
         try:
