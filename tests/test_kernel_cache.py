@@ -356,25 +356,6 @@ def test_an_inner_function_is_compiled_with_entries_only(toy):
     assert value == 6.0
 
 
-NUMBERS = """
-from socp_statics.engines.kernel.compilation import entry, inner
-
-@inner
-def shifted(n, by):
-    return n + by
-
-@entry("int64(int64)")
-def far(n):
-    return shifted(shifted(n, 1), 2) + shifted(3, n)
-"""
-
-
-def test_a_number_in_the_source_does_not_compile_an_inner_function_once_more(toy):
-    (toy / "numbers.py").write_text(NUMBERS)
-    code = "from toy.numbers import far, shifted\ntell([far(4), len(shifted.overloads)])"
-    assert run(toy, code)[0]["value"] == [14, 1]
-
-
 ORDERS = ("tracing.trace", "reserves.reserves"), ("reserves.reserves", "tracing.trace")
 ANSWERS = """
 import sys

@@ -16,7 +16,6 @@ from numba.core.compiler import Compiler
 from numba.core.compiler_machinery import register_pass
 from numba.core.registry import CPUDispatcher
 from numba.core.typed_passes import NativeLowering
-from numba.core.types import unliteral
 
 
 class PartLibrary(JITCodeLibrary):
@@ -145,15 +144,6 @@ class Part(CPUDispatcher):
 
     def __init__(self, function: Callable[..., Any], options: dict[str, Any]):
         super().__init__(function, targetoptions={"nopython": True, **options}, pipeline_class=_PartCompiler)
-
-    def get_call_template(self, args: Any, kws: Any) -> Any:
-        """What a call means to Numba, which would compile the function once more for every number that is written in the source.
-
-        Args:
-            args: Types of the arguments.
-            kws: Types of those that are named.
-        """
-        return super().get_call_template(tuple(map(unliteral, args)), {name: unliteral(kind) for name, kind in kws.items()})
 
     def add_overload(self, result: Any) -> None:
         """Keep what was compiled for callers that are compiled; there is nothing for Python to call."""
