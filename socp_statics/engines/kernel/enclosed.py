@@ -58,8 +58,6 @@ class EnclosedLibrary(PartLibrary):
         super(PartLibrary, self).finalize()
 
     def _optimize_final_module(self) -> None:
-        # Before, so that the optimiser knows that nobody else calls them, and after, for what it made.
-        self._enclose()
         super()._optimize_final_module()
         self._enclose()
 
