@@ -176,7 +176,7 @@ def approached(data: ConicData, cones: Cones, x: Array, y: Array, unit: float) -
     largest = float(np.abs(x).max(initial=0.0))
     if not largest <= FARTHEST:
         return None
-    scale = max(float(np.abs(data.q).max(initial=0.0)), 1e-300) / max(1.0, largest)
+    scale = (float(np.abs(data.q).max(initial=0.0)) or 1.0) / max(1.0, largest)
     found: tuple[Array, Array] | None = None
     for share in PROXIMAL:
         cost = scale * share
