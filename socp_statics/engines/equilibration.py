@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy.sparse as sp
 
-from socp_statics.engines.conic_form import ConicData, Cones
+from socp_statics.engines.conic_form import Cones, ConicData
 from socp_statics.spatial import Array
 
 ROUNDS = 20
