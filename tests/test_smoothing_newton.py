@@ -95,6 +95,7 @@ SETTLED = {
     "soft fingers of little torsion": ["mixed:4941"],
     "an optimum far along a valley that hardly falls": ["mixed:8327"],
     "braced by millions of weights": ["chimney:13593"],
+    "a Newton step that is not finite": ["leaning:7000884"],
 }
 
 
