@@ -9,7 +9,7 @@ from sweeps.checks import check_case
 from sweeps.population import Case
 
 from socp_statics.engines.conic_form import Cones, ConicData, cone_violation, cost_gradient
-from socp_statics.engines.smoothing_newton import finished, unit_of
+from socp_statics.engines.smoothing_newton import approached, finished, unit_of
 
 CONES = {
     "orthant": Cones(1, 12, (), ()),
@@ -70,6 +70,19 @@ def test_what_has_no_solution_is_not_solved():
     assert finished(wide, Cones(0, 1, (), ()), np.zeros(700), np.zeros(1), 1.0) is None
 
 
+@pytest.mark.parametrize("slope", [1e-10, 1e-9, 1e-3])
+def test_an_optimum_far_along_a_valley_is_approached_from_inside_the_set(slope):
+    # Forces (t, t, 0) on the edge of a cone can grow along z_0 up to 1e6, which is worth the slope only.
+    cones = Cones(1, 1, (3,), ())
+    G = np.array([[1.0, -1.0, 0.0], [1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]])
+    data = ConicData(sp.csc_array((3, 3)), np.array([-slope, 0.0, 0.0]), sp.csc_array(G), np.array([0.0, 1e6, 0.0, 0.0, 0.0]))
+    x, y = np.array([3.0, 3.0 + 1e-7, 1e-8]), np.zeros(5)
+    x1, y1 = approached(data, cones, x, y, 1.0)
+    assert cone_violation(data.b - data.A @ x1, cones, dual=False) <= 1e-14
+    assert cone_violation(y1, cones, dual=True) <= 1e-14
+    assert np.abs(cost_gradient(data, x1, y1)).max() <= slope + 1e-14
+
+
 # Stances of the long sweep that were handed to another engine, or whose answers were too coarse; and why.
 SETTLED = {
     "rays of what closes the force": ["grasp:4796", "climbing:1972", "mixed:7995"],
@@ -80,6 +93,9 @@ SETTLED = {
     "large forces": ["duplicates:10712", "duplicates:19364"],
     "small frictions in rows of their own": ["mixed:12341", "mixed:15105"],
     "soft fingers of little torsion": ["mixed:4941"],
+    "an optimum far along a valley that hardly falls": ["mixed:8327"],
+    "braced by millions of weights": ["chimney:13593"],
+    "a Newton step that is not finite": ["leaning:7000884"],
 }
 
 

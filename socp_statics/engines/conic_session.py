@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from socp_statics.engines.conic_form import ConicData, ConicForm, cost_gradient
-from socp_statics.engines.smoothing_newton import finished, unit_of
+from socp_statics.engines.equilibration import Equilibrated, equilibrated
+from socp_statics.engines.smoothing_newton import approached, finished, unit_of
 from socp_statics.engines.solution import SOLVED, Residuals, Solution
 from socp_statics.models.program import ConicModel
 from socp_statics.spatial import Array
@@ -94,11 +95,21 @@ class ConicSession:
         data, x, y = self.data, solution.x, solution.y
         if not self.finishes or (solution.status == SOLVED and self._missed(x, y, s) <= PRECISE):
             return solution
-        for unit in (unit_of(x, y), 1.0):
-            better = finished(data, self.form.cones, x, y, unit)
-            if better is not None and max(self.form.residuals(data, *better)) <= ACCEPTED:
-                detail = f"{solution.detail}, then solved to rounding"
-                return FinishedSolution(self.form, data, self.offset, solution.engine, detail, *better)
+        cones = self.form.cones
+        if cones.psd or not (np.isfinite(x).all() and np.isfinite(y).all()):
+            return solution
+        # An answer that was good enough for the engine gives way to any that is nearer.
+        enough = max(ACCEPTED, 0.5 * max(solution.residuals)) if solution.status == SOLVED else ACCEPTED
+        own = equilibrated(data, cones)
+        ways = ((own, *own.enter(x, y)), (Equilibrated(data, np.ones(len(x)), np.ones(len(y))), x, y))
+        for method in (finished, approached):
+            for scaled, x0, y0 in ways:
+                for unit in (unit_of(x0, y0), 1.0):
+                    found = method(scaled.data, cones, x0, y0, unit)
+                    better = None if found is None else scaled.leave(*found)
+                    if better is not None and max(self.form.residuals(data, *better)) <= enough:
+                        detail = f"{solution.detail}, then solved to rounding"
+                        return FinishedSolution(self.form, data, self.offset, solution.engine, detail, *better)
         return solution
 
     def _missed(self, x: Array, y: Array, s: Array) -> float:

@@ -12,6 +12,7 @@ interior, forces are a million weights or an optimum degenerates.
 from __future__ import annotations
 
 import numpy as np
+import scipy.sparse as sp
 from scipy.linalg import lstsq
 
 from socp_statics.engines.conic_form import Cones, ConicData
@@ -30,6 +31,8 @@ ROUNDING, RANK = 1e-14, 1e-15
 DECREASE, SHORTEST, STEPS, FOLLOWED = 0.1, 0.01, 8, 0.3
 # By what the product shrinks: at first, at most, and when it is hardly worth going on.
 SHRINK, FASTEST, SLOWEST = 0.1, 1e-3, 0.9
+# What a step away from where it starts costs over its square, in units of cost and unknowns, one step after the other.
+PROXIMAL = (1e-3, 1e-5, 1e-7, 1e-9)
 
 
 class _Rows:
@@ -152,3 +155,34 @@ def finished(data: ConicData, cones: Cones, x: Array, y: Array, unit: float) -> 
         off, z, D = missed(x, v)
         last = float(np.linalg.norm(off))
     return None
+
+
+def approached(data: ConicData, cones: Cones, x: Array, y: Array, unit: float) -> tuple[Array, Array] | None:
+    """Solve a program whose optimum lies far along a valley that hardly falls, as far as the valley can be followed.
+
+    Proximal point steps (Rockafellar 1976): the square of the way from the last iterate joins the cost, ever less of it. Each of these
+    programs has one solution, which meets the constraints to rounding; only the multipliers' equation misses what the way costs.
+
+    Args:
+        data: The program, without semidefinite cones.
+        cones: Its cones.
+        x: Unknowns.
+        y: Conic multipliers.
+        unit: Of unknowns and slacks, see `unit_of`.
+
+    Returns:
+        Unknowns and multipliers as `finished` has them, of the last step that was solved; None where none was.
+    """
+    largest = float(np.abs(x).max(initial=0.0))
+    if not largest <= FARTHEST:
+        return None
+    scale = (float(np.abs(data.q).max(initial=0.0)) or 1.0) / max(1.0, largest)
+    found: tuple[Array, Array] | None = None
+    for share in PROXIMAL:
+        cost = scale * share
+        near = data._replace(P=sp.csc_array(data.P + cost * sp.eye_array(len(x))), q=data.q - cost * x)
+        step = finished(near, cones, x, y, unit)
+        if step is None:
+            break
+        found = x, y = step
+    return found

@@ -237,7 +237,9 @@ class _Question:
         if lowest is not None and lowest.status == SOLVED and lowest.objective >= FEASIBLE:
             return self._answer(lowest, "solved", 0.0)
         lo, hi = 0.0, 1.0
-        while hi - lo > BISECTION:
+        # Where friction is large a small share of it is much: what matters is the slope.
+        steepest = max(1.0, float(self.data.friction.max(initial=0.0)))
+        while hi - lo > BISECTION / steepest:
             middle = 0.5 * (lo + hi)
             found = self._reserve(middle)
             if found.status == SOLVED and found.objective >= FEASIBLE:

@@ -94,11 +94,14 @@ def com_margin_prices(
     if plane.twist is not None or plane.axes.shape[1] < 2:
         return None
     com, inner = _coordinates(data, plane, stance.com[:2]), _coordinates(data, plane, region.inner)
+    clip = None if region.kind == "polygon" else CLIP
+    if not _own_edges(inner, clip):
+        return None
     broken: EngineError | None = None
     for one in engines_for(engine, form):
         try:
-            directions = Directions(data, plane, region.cone, form, one, None if region.kind == "polygon" else CLIP)
-            start, alone = _nearest_edge(directions, inner, com, None if region.kind == "polygon" else CLIP)
+            directions = Directions(data, plane, region.cone, form, one, clip)
+            start, alone = _nearest_edge(directions, inner, com, clip)
             optimum = _optimum(data, plane, region.cone, form, one, directions, start)
         except EngineError as error:
             broken = error
@@ -114,6 +117,12 @@ def _coordinates(data: StaticsData, plane: CoMPlane, xy: Array) -> Array:
     return ((xy - data.units.origin[:2]) / data.units.length - plane.origin) @ plane.axes
 
 
+def _own_edges(P: Array, clip: float | None) -> list[int]:
+    """Edges of a polygon that the clipping square did not make; none where the square holds nothing of the region."""
+    Q = np.roll(P, -1, axis=0)
+    return [k for k in range(len(P)) if np.linalg.norm(Q[k] - P[k]) > SAME_POINT and not on_clip(P[k], Q[k], clip)]
+
+
 def _nearest_edge(directions: Directions, P: Array, com: Array, clip: float | None) -> tuple[Array, bool]:
     """Outward direction of the part of the edge nearest to a position, and whether no other part is as near.
 
@@ -122,7 +131,7 @@ def _nearest_edge(directions: Directions, P: Array, com: Array, clip: float | No
     for _ in range(MOST_QUERIES):
         Q = np.roll(P, -1, axis=0)
         length = np.linalg.norm(Q - P, axis=1)
-        real = [k for k in range(len(P)) if length[k] > SAME_POINT and not on_clip(P[k], Q[k], clip)]
+        real = _own_edges(P, clip)
         E = (Q - P)[real]
         normals = np.column_stack([E[:, 1], -E[:, 0]]) / length[real, None]
         away = (normals * (P[real] - com)).sum(axis=1)

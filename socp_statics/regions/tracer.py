@@ -299,7 +299,7 @@ class Tracer:
             clip=tuple(float(v) for v in square) if kind == "unbounded" else None,  # type: ignore[arg-type]
             size=length,
             frozen=self.data.torques.limited,
-            witnesses=SolvedWitnesses(self.data, tuple(solutions), tuple(motions)),
+            witnesses=SolvedWitnesses(self.data, self.cone, tuple(solutions), inner, tuple(motions)),
         )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Protocol
 
@@ -11,9 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from socp_statics.certificates import Motion
+from socp_statics.certificates.bracing import least_braced
 from socp_statics.cones.choice import ConeChoice
 from socp_statics.contacts import Stance
 from socp_statics.engines.solution import Solution
+from socp_statics.regions.directions import load_at
 from socp_statics.spatial import Array
 from socp_statics.statics import PointForces, StaticsData, assemble, point_forces
 from socp_statics.statics.point_forces import many_point_forces
@@ -42,16 +44,29 @@ class Witnesses(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class SolvedWitnesses:
-    """Of solutions, one a support direction; ``shift`` is added to the unknowns of solutions with widened cones."""
+    """Of solutions, one a support direction.
+
+    Attributes:
+        data: The stance's arrays.
+        cone: Exact cones or pyramids.
+        solutions: One for each inner corner.
+        corners: Inner corners relative to the centre of the contacts, scaled, shape (k, 2).
+        edges: Motion of each outer edge.
+        shift: Added to the unknowns of solutions with widened cones.
+    """
 
     data: StaticsData
+    cone: ConeChoice
     solutions: tuple[Solution, ...]
+    corners: Array
     edges: tuple[Motion, ...]
     shift: Array | float = 0.0
 
     def forces(self) -> tuple[PointForces, ...]:
         """Balancing forces for each inner corner."""
-        return tuple(point_forces(self.data, s.variables["x"] + self.shift) for s in self.solutions)
+        loaded = (replace(self.data, load=load_at(self.data, c)) for c in self.corners)
+        found = (s.variables["x"] + self.shift for s in self.solutions)
+        return tuple(point_forces(self.data, least_braced(data, self.cone, x)) for data, x in zip(loaded, found, strict=True))
 
     def motions(self) -> tuple[tuple[Array, Array], ...]:
         """(linear, angular) about the mean contact point for each outer edge [m/s, rad/s]."""

@@ -115,6 +115,6 @@ def _margin(data: StaticsData, points: Array, cone: ConeChoice, value: float, tw
     if value < BOUNDARY:
         return None
     if value == np.inf:
-        x = balanced(data, x)
+        x = balanced(data, cone, x)
     held = force_residuals(data, cone, x)
     return Margin(value, x, held, None, None, 0.0, "kernel", 0, optimum) if max(held) <= FORCE_TOLERANCE else None

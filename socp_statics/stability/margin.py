@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from socp_statics.certificates import ForceResiduals, Motion, MotionCertificate, force_residuals, motion_certificate, motion_of
+from socp_statics.certificates.bracing import least_braced
 from socp_statics.certificates.optimum import Multipliers, Optimum
 from socp_statics.cones.choice import ConeChoice
 from socp_statics.engines import engines_for
@@ -29,6 +30,8 @@ FORCE_TOLERANCE = 1e-8
 LARGEST_FORCE = 1e7
 # Reserves that are tried, in units of W: where walls hardly close, one of W takes forces of millions, and a smaller one says as much.
 CAPS = (1.0, 1e-2, 1e3, 1e6)
+# What forces that brace keep of them where they would be too large.
+RESERVE = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +107,7 @@ def _settled(data: StaticsData, cone: ConeChoice, form: str, engine: Engine, rea
         x, (t,) = solution.variables["x"], solution.variable("t")
         if t < cap * (1 - 1e-6):
             return _finite(data, cone, engine, reach, solution, x, t)
-        x = balanced(data, x)
+        x = balanced(data, cone, x)
         held = force_residuals(data, cone, x)
         if braced is None and max(held) <= FORCE_TOLERANCE and float(np.abs(x).max(initial=0.0)) <= LARGEST_FORCE:
             braced = Margin(np.inf, x, held, None, None, solution.gap, engine.name, 0)
@@ -152,9 +155,10 @@ def _finite(
     return Margin(t, x, held, None, motion, gap, engine.name, 0, optimum)
 
 
-def balanced(data: StaticsData, x: Array) -> Array:
-    """Large forces with their balance restored: the least correction, which their reserve of cone absorbs."""
-    return x - np.linalg.lstsq(data.wrench_map, data.wrench_map @ x + data.load, rcond=None)[0]
+def balanced(data: StaticsData, cone: ConeChoice, x: Array) -> Array:
+    """Forces that brace with their balance restored: the least correction, which their reserve of cone absorbs; no larger than need be."""
+    x = x - np.linalg.lstsq(data.wrench_map, data.wrench_map @ x + data.load, rcond=None)[0]
+    return least_braced(data, cone, x, RESERVE)
 
 
 def _internal_force_inside(data: StaticsData, cone: ConeChoice, form: str, engine: Engine, reach: WrenchRange) -> bool:

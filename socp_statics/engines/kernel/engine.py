@@ -79,7 +79,7 @@ class Session(ConicSession):
         if status == conic.SOLVED and not self._holds(x, s):
             status = conic.STALLED
         solution = KernelSolution(form, self.data, self.offset, status, steps, x, y, conic.values(W, F))
-        if status not in (conic.SOLVED, conic.STALLED):
+        if status in (conic.INFEASIBLE, conic.UNBOUNDED):
             return solution
         return self.finish(solution, np.concatenate([np.zeros(zero), s]))
 

@@ -112,6 +112,10 @@ def _linearised(X, cones, points, q, rows, equations, y, kept):
         b3 += X[a + S3] * z0 + X[a + ROW1 + S3] * z1 + X[a + ROW2 + S3] * z2
         b4 += X[a + S4] * z0 + X[a + ROW1 + S4] * z1 + X[a + ROW2 + S4] * z2
         e += rows[k]
+    # The larger of a number and none is the number: what is not finite is looked for by itself.
+    missed, moving = abs(b0) + abs(b1) + abs(b2) + abs(b3) + abs(b4), abs(y[0]) + abs(y[1]) + abs(y[2]) + abs(y[3]) + abs(y[4])
+    if not (missed < math.inf and moving < math.inf):
+        worst = math.inf
     return e, max(worst, abs(b0), abs(b1), abs(b2), abs(b3), abs(b4)), b0, b1, b2, b3, b4
 
 
