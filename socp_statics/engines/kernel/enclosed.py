@@ -51,7 +51,6 @@ class EnclosedLibrary(PartLibrary):
         """Link the parts, optimise and make machine code."""
         parts, others = _parts_of(self)
         for part in parts:
-            self._reload_init.update(part._reload_init)
             self._part_names.update(one.name for one in part._final_module.functions if not one.is_declaration)
             self._final_module.link_in(part._final_module, preserve=True)
         self._linking_libraries = others
@@ -97,7 +96,6 @@ class _PartLowering(NativeLowering):
         # Callers look the function up by this key; for what is compiled it is the function that Python calls.
         key = object()
         state.targetctx.insert_user_function(key, lowered.fndesc, [state.library])
-        state.reload_init.extend(state.library._reload_init)
         state["cr"] = lowered._replace(cfunc=key)
         return True
 
