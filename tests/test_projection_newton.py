@@ -2,14 +2,27 @@
 
 from __future__ import annotations
 
+from types import FunctionType
+
 import numpy as np
 import pytest
 
-pytest.importorskip("numba")
+projection_newton = pytest.importorskip("socp_statics.engines.kernel.projection_newton")
 
 from socp_statics.engines.kernel.lanes import RHS, ROW1, U, buffer_size, lane  # noqa: E402
 from socp_statics.engines.kernel.lanes import S as STRIDE  # noqa: E402
-from socp_statics.engines.kernel.projection_newton import CONVERGED, EQUATION, optimum  # noqa: E402
+from socp_statics.engines.kernel.projection_newton import CONVERGED, EQUATION  # noqa: E402
+
+
+def interpreted(function):
+    """An inner function of the kernel, and those that it calls, as Python reads them."""
+    plain = getattr(function, "py_func", function)
+    names = {name: plain.__globals__[name] for name in plain.__code__.co_names if name in plain.__globals__}
+    inner = {name: interpreted(value) for name, value in names.items() if hasattr(value, "py_func")}
+    return FunctionType(plain.__code__, {**plain.__globals__, **inner})
+
+
+optimum, size_of, lane_of = (interpreted(one) for one in (projection_newton.optimum, buffer_size, lane))
 
 FREE, SLIDES, RESTS = "free", "slides", "rests"
 
@@ -37,10 +50,10 @@ class Program:
 
     def solved(self, y, z):
         """What Newton's method makes of a start: whether it succeeded, the unknowns and the multipliers."""
-        X, points = np.zeros(buffer_size(self.cones)), np.zeros((self.cones, 14))
+        X, points = np.zeros(size_of(self.cones)), np.zeros((self.cones, 14))
         points[:, 12] = self.friction
         for k in range(self.cones):
-            a = lane.py_func(k)
+            a = lane_of(k)
             for c in range(3):
                 X[a + RHS + U(c) * STRIDE] = self.h[k, c]
                 for j in range(5):
