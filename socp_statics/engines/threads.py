@@ -2,11 +2,24 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from functools import cache
 from typing import Any
 
 from socp_statics.exceptions import InputError
+
+
+@cache
+def _helpers(threads: int) -> ThreadPoolExecutor:
+    """Threads that wait for work; starting them takes as long as a dozen regions."""
+    return ThreadPoolExecutor(threads, thread_name_prefix="socp_statics")
+
+
+if hasattr(os, "register_at_fork"):
+    # Threads do not live on in a child process.
+    os.register_at_fork(after_in_child=_helpers.cache_clear)
 
 
 def checked_threads(threads: int) -> int:
@@ -50,11 +63,13 @@ def in_chunks(work: Callable[[Sequence[Any]], list[Any]], items: Sequence[Any], 
             except BaseException as error:
                 failed[i] = error
 
-    # The caller works too: a thread that only waits leaves its processor idle, and two new threads may be put on the same one.
-    with ThreadPoolExecutor(others) as pool:
-        for _ in range(others):
-            pool.submit(some)
-        some()
+    # The caller works too: a thread that only waits leaves its processor idle, and two others may be put on the same one.
+    helping = [_helpers(others).submit(some) for _ in range(others)]
+    some()
+    for one in helping:
+        # Helpers that are busy for other callers are not waited for: nothing is left for them.
+        if not one.cancel():
+            one.result()
     if failed:
         # Pieces are taken in order: every earlier one is done, so this is the first that fails on one thread, too.
         raise failed[min(failed)]

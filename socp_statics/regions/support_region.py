@@ -66,7 +66,7 @@ class SupportRegion:
     def polygon(cls, inner: Array, outer: Array, **rest: Any) -> Self:
         """A polygon as the kernel's compiled tracer finds it; one is made in a microsecond, where a trace takes a few dozen."""
         region = object.__new__(cls)
-        region.__dict__.update(POLYGON, inner=inner, outer=outer, **rest)
+        object.__setattr__(region, "__dict__", {**POLYGON, "inner": inner, "outer": outer, **rest})
         return region
 
     @cached_property

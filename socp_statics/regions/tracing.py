@@ -22,7 +22,7 @@ from socp_statics.regions.witnesses import TracedWitnesses
 from socp_statics.statics import assemble
 
 # Short pieces: what a thread waits for the interpreter while another one makes regions of a long one is lost.
-CHUNK = 64
+CHUNK = 8
 
 
 def trace_support_region(
@@ -68,7 +68,7 @@ def trace_support_region(
     question = region_question(contacts, height, mass, gravity, external_wrenches, torque_limits)
     _checked_tolerance(tolerance)
     if compiled_first(engine, form):
-        (region,) = _compiled([question], choice, tolerance)
+        region = _by_the_kernel([question], choice, tolerance)[0] if question.compiled else trace_limited(question, choice, tolerance)
         if region is not None:
             return region
     return _one_by_one(question, choice, form, engine, tolerance)
@@ -118,26 +118,24 @@ def trace_support_regions(
     choice = cone_choice(cone, sides, heading)
     _checked_tolerance(tolerance)
     checked_threads(threads)
-    questions = [region_question(one, height, mass, gravity, external_wrenches, torque_limits) for one in sets]
-    regions: list[SupportRegion | None] = [None] * len(questions)
-    for free, chunk in ((True, CHUNK), (False, 1)) if compiled_first(engine, form) else ():
-        mine = [i for i, q in enumerate(questions) if q.compiled == free]
-        found = in_chunks(lambda part: _compiled([questions[i] for i in part], choice, tolerance), mine, chunk, threads)
-        for i, region in zip(mine, found, strict=True):
-            regions[i] = region
-    return [_one_by_one(q, choice, form, engine, tolerance) if r is None else r for q, r in zip(questions, regions, strict=True)]
+    compiled = compiled_first(engine, form)
+
+    def asked(part: Sequence[Any]) -> list[tuple[RegionQuestion, SupportRegion | None]]:
+        questions = [region_question(one, height, mass, gravity, external_wrenches, torque_limits) for one in part]
+        free = [q for q in questions if compiled and q.compiled]
+        found = iter(_by_the_kernel(free, choice, tolerance) if free else [])
+        return [(q, next(found) if compiled and q.compiled else None) for q in questions]
+
+    pairs = in_chunks(asked, list(sets), CHUNK, threads)
+    limited = [q for q, _ in pairs if compiled and not q.compiled]
+    found = iter(in_chunks(lambda part: [trace_limited(q, choice, tolerance) for q in part], limited, 1, threads))
+    regions = [next(found) if compiled and not q.compiled else region for q, region in pairs]
+    return [_one_by_one(q, choice, form, engine, tolerance) if r is None else r for (q, _), r in zip(pairs, regions, strict=True)]
 
 
 def _checked_tolerance(tolerance: float) -> None:
     if not 0.0 < tolerance < 1.0:
         raise InputError(f"tolerance must be between 0 and 1, got {tolerance!r}", name="tolerance", field="tolerance")
-
-
-def _compiled(questions: Sequence[RegionQuestion], cone: ConeChoice, tolerance: float) -> list[SupportRegion | None]:
-    """Regions by the compiled tracer of their kind, which is the same for all; None where it leaves the question to the others."""
-    if questions[0].compiled:
-        return _by_the_kernel(questions, cone, tolerance)
-    return [trace_limited(question, cone, tolerance) for question in questions]
 
 
 @cache
@@ -167,7 +165,7 @@ def _by_the_kernel(questions: Sequence[RegionQuestion], cone: ConeChoice, tolera
         if kind != polygon:
             regions.append(None)
             continue
-        held = multipliers[rows : rows + k * cones].reshape(k, 3 * cones)
+        held = multipliers[rows : rows + k * cones]
         com_margin = None if not question.with_com else 0.0 if -ON_EDGE * size < margin <= 0.0 else margin
         mine = motions[edges : edges + m]
         regions.append(

@@ -83,7 +83,7 @@ class TracedWitnesses:
     Args:
         stance: Makes the stance that was traced.
         cone: Exact cones or pyramids.
-        multipliers: Three numbers a row of the compiled program, shape (k, 3 * rows).
+        multipliers: Three numbers a row of the compiled program, all rows of a corner one after the other, shape (k * rows, 3).
         motions: Scaled, shape (l, 6).
     """
 
@@ -97,11 +97,12 @@ class TracedWitnesses:
 
     def forces(self) -> tuple[PointForces, ...]:
         """Balancing forces for each inner corner."""
-        from socp_statics.engines.kernel.pyramids import unknowns
+        from socp_statics.engines.kernel.pyramids import cone_rows, unknowns
 
         points = self._stance().contacts.friction_points
         assert points is not None
-        return many_point_forces(self.data, unknowns(points, self._cone, self._multipliers))
+        each = self._multipliers.reshape(-1, 3 * len(cone_rows(points, self._cone)))
+        return many_point_forces(self.data, unknowns(points, self._cone, each))
 
     def motions(self) -> tuple[tuple[Array, Array], ...]:
         """(linear, angular) about the mean contact point for each outer edge [m/s, rad/s]."""

@@ -146,5 +146,7 @@ def share(effort: Effort) -> Sharing:
                 clocks[n].wall += stop - start
                 clocks[n].processor += done - worked
             areas[n] = [r.inner_area for r in regions]
+            # Else the next turn would give their memory back on its time.
+            del regions
     same = all(a == areas[1] for a in areas.values())
     return Sharing(len(stances), {n: statistics.median(t) for n, t in times.items()}, {n: c.share for n, c in clocks.items()}, same)
