@@ -9,7 +9,6 @@ from concurrent.futures import Future
 from importlib import metadata
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 import socp_statics as ss
@@ -237,55 +236,6 @@ def test_a_case_whose_input_is_wrong_fails_alone_and_is_tried_again(tmp_path, ca
     assert len(failed) == 2 and all("friction" in r["failure"] and r["verdict"] == "undecided" for r in failed)
     assert run([str(path)], out, workers=1).computed == 0
     assert main(["report", str(out)]) == 0 and "## Failed (2)" in (out / "summary.md").read_text()
-
-
-REFUSED = """model = "{model}"
-[posture]
-generator = "contacts"
-mass = 60.0
-com = [0, 0, 1]
-[[posture.contacts]]
-name = "foot"
-type = "surface"
-position = [0, 0, 0]
-normal = [0, 0, 1]
-friction = 0.5
-size = [0.2, 0.1]
-[sweep]
-{sweep}
-"""
-REFUSALS = {
-    "a contact": ("equilibrium", '"posture.contacts.foot.friction" = [0.5, -1.0]', "friction", 0, False),
-    "gravity": ("equilibrium", '"posture.gravity" = [[0, 0, -9.81], "down"]', "gravity", 0, True),
-    "half a force": ("equilibrium", '"posture.external_wrenches" = [[], [{ force = [1, 2] }]]', "force", 0, True),
-    "a force in words": ("equilibrium", '"posture.external_wrenches" = [[], [{ force = [0, 0, "x"] }]]', "force", 0, True),
-    "a method": ("wrench_distribution", '"parameters.method" = ["all", "statics_consistent"]', "lever rule", 1, False),
-}
-
-
-@pytest.mark.parametrize("what", REFUSALS)
-def test_records_of_refused_cases_are_read_as_all_others(what, tmp_path, capsys):
-    model, sweep, word, contacts, kept_apart = REFUSALS[what]
-    path, out = tmp_path / "refused.toml", tmp_path / "out"
-    path.write_text(REFUSED.format(model=model, sweep=sweep))
-    assert main(["run", str(path), "--out", str(out), "--workers", "1", "--quiet"]) == 1
-    fine, refused = sorted(ss.load_results(out), key=lambda record: record["sweep"]["case"])
-    assert set(fine) - set(refused) <= {"distribution"} and set(refused) - set(fine) <= {"failure", "failure_kind"}
-    assert (refused["status"], refused["verdict"], refused["failure_kind"]) == ("failed", "undecided", "input")
-    assert word in refused["failure"]
-    case = refused["case"]
-    made, asked = case["generated"], case["posture"]
-    assert set(made) >= {"contacts", "com", "mass"} and len(made["contacts"]) == contacts and isinstance(made["mass"], float)
-    loads = [asked.get("gravity", [0, 0, -9.81]), *(w.get("force", [0, 0, 0]) for w in asked.get("external_wrenches", []))]
-    assert np.array(loads, dtype=float).shape == (len(loads), 3) and np.array(made["com"], dtype=float).ndim == 1
-    # the wrong value is still there
-    key, value = next(iter(refused["sweep"]["values"].items()))
-    assert ("asked" in case) == kept_apart
-    if kept_apart:
-        assert case["asked"]["posture"][key.removeprefix("posture.")] == value
-    row = ss.load_results(out).table()
-    assert sorted(row["mass"], key=str) == ([60.0, 60.0] if contacts else [60.0, None])
-    assert run([str(path)], out, workers=1).computed == 0, "it is kept, and not asked again"
 
 
 BAD = {
