@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 import threading
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,6 +20,7 @@ from socp_statics.engines.threads import in_chunks
 from socp_statics.regions.polygon import distance
 from socp_statics.statics import assemble
 
+ROOT = Path(__file__).parents[1]
 FAMILIES = ("flat", "sloped", "feet_and_hands", "points", "near_vertical", "loads", "tilted_gravity", "slivers", "ladder", "chimney")
 CONES = [ConeChoice(), ConeChoice("inscribed", 5, 0.3), ConeChoice("circumscribed", 4)]
 
@@ -225,6 +230,23 @@ def test_the_caller_works_too():
 
     in_chunks(work, list(range(40)), 1, 2)
     assert len(asked) == 2 and threading.current_thread() in asked
+
+
+FORKED = """
+import os, sys
+from socp_statics.engines.threads import in_chunks
+work = lambda part: [2 * i for i in part]
+assert in_chunks(work, list(range(20)), 3, 3) == list(range(0, 40, 2))
+child = os.fork()
+if child == 0:
+    os._exit(0 if in_chunks(work, list(range(20)), 3, 3) == list(range(0, 40, 2)) else 1)
+sys.exit(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="processes do not fork here")
+def test_a_forked_process_has_helpers_of_its_own():
+    assert subprocess.run([sys.executable, "-W", "ignore", "-c", FORKED], cwd=ROOT, timeout=60).returncode == 0
 
 
 @pytest.mark.parametrize("threads", [0, -1, 1.5, True, "two"])

@@ -64,7 +64,7 @@ def in_chunks(work: Callable[[Sequence[Any]], list[Any]], items: Sequence[Any], 
                 failed[i] = error
 
     # The caller works too: a thread that only waits leaves its processor idle, and two others may be put on the same one.
-    helping = [_helpers(others).submit(some) for _ in range(others)]
+    helping = [_helpers(threads - 1).submit(some) for _ in range(others)]
     some()
     for one in helping:
         # Helpers that are busy for other callers are not waited for: nothing is left for them.
