@@ -101,7 +101,7 @@ class ConicSession:
         # An answer that was good enough for the engine gives way to any that is nearer.
         enough = max(ACCEPTED, 0.5 * max(solution.residuals)) if solution.status == SOLVED else ACCEPTED
         own = equilibrated(data, cones)
-        ways = ((own, *own.enter(x, y)), (Equilibrated(data, np.ones(len(x)), np.ones(len(y))), x, y))
+        ways = ((Equilibrated(data, np.ones(len(x)), np.ones(len(y))), x, y), (own, *own.enter(x, y)))
         for method in (finished, approached):
             for scaled, x0, y0 in ways:
                 for unit in (unit_of(x0, y0), 1.0):

@@ -60,9 +60,9 @@ def _linearised(X, cones, points, q, rows, equations, y, kept):
         kept: The multipliers; what a step would take from them whatever its length is taken from them now.
 
     Returns:
-        Number of equations, largest residual, and the residual of ``G' z + q = 0``.
+        Number of equations, largest residual, what residuals may be worth in the cost, and the residual of ``G' z + q = 0``.
     """
-    e, worst = 0, 0.0
+    e, worst, carried = 0, 0.0, 0.0
     b0, b1, b2, b3, b4 = q[0], q[1], q[2], q[3], q[4]
     for k in range(cones):
         a = lane(k)
@@ -111,20 +111,29 @@ def _linearised(X, cones, points, q, rows, equations, y, kept):
         b2 += X[a + S2] * z0 + X[a + ROW1 + S2] * z1 + X[a + ROW2 + S2] * z2
         b3 += X[a + S3] * z0 + X[a + ROW1 + S3] * z1 + X[a + ROW2 + S3] * z2
         b4 += X[a + S4] * z0 + X[a + ROW1 + S4] * z1 + X[a + ROW2 + S4] * z2
+        carried += abs(z0)
         e += rows[k]
-    # The larger of a number and none is the number: what is not finite is looked for by itself.
+    # Residuals count by what they face: those of the slacks by the forces, those of the balance by the motion.
     missed, moving = abs(b0) + abs(b1) + abs(b2) + abs(b3) + abs(b4), abs(y[0]) + abs(y[1]) + abs(y[2]) + abs(y[3]) + abs(y[4])
-    if not (missed < math.inf and moving < math.inf):
+    gap = worst * carried + missed * moving
+    # The larger of a number and none is the number: what is not finite is looked for by itself.
+    if not gap < math.inf:
         worst = math.inf
-    return e, max(worst, abs(b0), abs(b1), abs(b2), abs(b3), abs(b4)), b0, b1, b2, b3, b4
+    return e, max(worst, abs(b0), abs(b1), abs(b2), abs(b3), abs(b4)), gap, b0, b1, b2, b3, b4
 
 
 @inner(inline="always")
-def _step(X, cones, points, q, rows, equations, y, kept):
-    """One Newton step of unknowns and multipliers; returns the largest residual before it."""
-    count, worst, b0, b1, b2, b3, b4 = _linearised(X, cones, points, q, rows, equations, y, kept)
-    if not CONVERGED < worst < FAR:
-        return worst
+def _step(X, cones, points, q, rows, equations, y, kept, last):
+    """One Newton step of unknowns and multipliers, unless none is needed or worth it.
+
+    Returns:
+        Largest residual before it, what residuals may be worth in the cost, and whether there was none because nothing is left to do.
+    """
+    count, worst, gap, b0, b1, b2, b3, b4 = _linearised(X, cones, points, q, rows, equations, y, kept)
+    # Large motions and forces ask for smaller residuals, as far as rounding lets them fall.
+    done = worst <= CONVERGED and (gap <= CONVERGED or gap > SLOW * last)
+    if done or not worst < FAR:
+        return worst, gap, done
     hard = 1.0 / max(DAMPING, min(worst, DAMPED))
     m00 = m10 = m11 = m20 = m21 = m22 = m30 = m31 = m32 = m33 = m40 = m41 = m42 = m43 = m44 = 0.0
     for e in range(count):
@@ -176,7 +185,7 @@ def _step(X, cones, points, q, rows, equations, y, kept):
                 kept[3 * k + 1] -= more * equations[e, TURN + 1]
                 kept[3 * k + 2] += more * equations[e, TURN]
         e += rows[k]
-    return worst
+    return worst, gap, False
 
 
 @inner
@@ -196,10 +205,10 @@ def optimum(X, cones, points, q, rows, equations, y, kept):
     Returns:
         Whether it succeeded.
     """
-    least, tried = math.inf, 0
+    least, tried, gap = math.inf, 0, math.inf
     for _ in range(MOST_STEPS):
-        off = _step(X, cones, points, q, rows, equations, y, kept)
-        if off <= CONVERGED:
+        off, gap, done = _step(X, cones, points, q, rows, equations, y, kept, gap)
+        if done:
             return True
         tried += 1 if off > SLOW * least else 0
         if not off < FAR or tried >= PATIENCE:
