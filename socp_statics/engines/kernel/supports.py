@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from socp_statics.engines.kernel.compilation import inner
-from socp_statics.engines.kernel.five_unknowns import SOLVED
+from socp_statics.engines.kernel.five_unknowns import SOLVED, UNSETTLED
 from socp_statics.engines.kernel.lanes import RHS_X, RHS_Y, S2, S, lane
 from socp_statics.engines.kernel.projection_newton import slack
 from socp_statics.engines.kernel.settling import settle
@@ -13,6 +13,8 @@ from socp_statics.engines.kernel.settling import settle
 # Columns of a node of the traced region: direction, attained point, bound, crossing with the next line, uncertain area.
 DX, DY, CX, CY, BOUND, PX, PY, AREA = range(8)
 NODE = 8
+# By how much a point may lie beyond the line of its own motion, for rounding: forces and motion were both found to no better than this.
+CROSSED = 1e-8
 
 
 @inner
@@ -29,6 +31,9 @@ def finish(X, cones, q, reference, dx, dy, node, y, kept):
         node: Written: direction, attained point, bound, shape (8,).
         y: The motion, shape (5,).
         kept: The forces, shape (3 * cones,).
+
+    Returns:
+        By how much the point lies beyond the motion's line, which then is moved out to it.
     """
     x, z = reference[0], reference[1]
     bound = dx * x + dy * z
@@ -46,7 +51,9 @@ def finish(X, cones, q, reference, dx, dy, node, y, kept):
         carried += z0
     bound += misses * carried
     node[DX], node[DY], node[CX], node[CY] = dx, dy, x, z
-    node[BOUND] = max(bound, dx * x + dy * z)
+    beyond = max(0.0, dx * x + dy * z - bound)
+    node[BOUND] = bound + beyond
+    return beyond
 
 
 @inner
@@ -73,6 +80,6 @@ def support(X, cones, points, factors, q, reference, dx, dy, rows, equations, gu
         Status of the program.
     """
     status, _ = settle(X, cones, points, 1.0, factors, q, rows, equations, guess, y, kept)
-    if status == SOLVED:
-        finish(X, cones, q, reference, dx, dy, node, y, kept)
+    if status == SOLVED and finish(X, cones, q, reference, dx, dy, node, y, kept) > CROSSED:
+        return UNSETTLED
     return status
