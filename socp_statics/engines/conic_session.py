@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
@@ -100,10 +100,12 @@ class ConicSession:
             return solution
         # An answer that was good enough for the engine gives way to any that is nearer.
         enough = max(ACCEPTED, 0.5 * max(solution.residuals)) if solution.status == SOLVED else ACCEPTED
-        own = equilibrated(data, cones)
-        ways = ((Equilibrated(data, np.ones(len(x)), np.ones(len(y))), x, y), (own, *own.enter(x, y)))
+        # The program as it is, then equilibrated, which is work that most never need.
+        ways = (lambda: Equilibrated(data, np.ones(len(x)), np.ones(len(y))), cache(lambda: equilibrated(data, cones)))
         for method in (finished, approached):
-            for scaled, x0, y0 in ways:
+            for way in ways:
+                scaled = way()
+                x0, y0 = scaled.enter(x, y)
                 for unit in (unit_of(x0, y0), 1.0):
                     found = method(scaled.data, cones, x0, y0, unit)
                     better = None if found is None else scaled.leave(*found)
