@@ -2,13 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
-import threading
-import time
-from pathlib import Path
-
 import numpy as np
 import pytest
 from random_stances import moved, random_stance
@@ -16,11 +9,9 @@ from sweeps.population import Case, stance_of
 
 import socp_statics as ss
 from socp_statics.cones.choice import ConeChoice
-from socp_statics.engines.threads import in_chunks
 from socp_statics.regions.polygon import distance
 from socp_statics.statics import assemble
 
-ROOT = Path(__file__).parents[1]
 FAMILIES = ("flat", "sloped", "feet_and_hands", "points", "near_vertical", "loads", "tilted_gravity", "slivers", "ladder", "chimney")
 CONES = [ConeChoice(), ConeChoice("inscribed", 5, 0.3), ConeChoice("circumscribed", 4)]
 
@@ -194,59 +185,14 @@ def test_answers_do_not_depend_on_the_number_of_threads():
         assert (a.solves, a.relative_gap) == (b.solves, b.relative_gap) == (c.solves, c.relative_gap)
 
 
-def test_pieces_come_back_in_order():
-    assert in_chunks(lambda part: [2 * i for i in part], list(range(100)), 7, 3) == [2 * i for i in range(100)]
-
-
-@pytest.mark.parametrize("threads", [1, 2, 5])
-def test_the_first_piece_that_fails_is_the_one_that_is_heard_of(threads):
-    asked, failing = [], threading.Event()
-
-    def work(part):
-        asked.append(part[0])
-        if part[0] == 20:
-            failing.set()
-        elif part[0] > 20:
-            failing.wait(10.0)
-            time.sleep(0.02)
-        if part[0] in (20, 30):
-            raise ss.EngineError(f"piece {part[0]}")
-        return part
-
-    with pytest.raises(ss.EngineError, match="piece 20"):
-        in_chunks(work, list(range(1000)), 10, threads)
-    # Whoever works on other pieces at that moment finishes them, and takes no more.
-    assert len(asked) < 100
-
-
-def test_the_caller_works_too():
-    asked, together = set(), threading.Barrier(2, timeout=10.0)
-
-    def work(part):
-        asked.add(threading.current_thread())
-        if part[0] < 2:
-            together.wait()
-        return part
-
-    in_chunks(work, list(range(40)), 1, 2)
-    assert len(asked) == 2 and threading.current_thread() in asked
-
-
-FORKED = """
-import os, sys
-from socp_statics.engines.threads import in_chunks
-work = lambda part: [2 * i for i in part]
-assert in_chunks(work, list(range(20)), 3, 3) == list(range(0, 40, 2))
-child = os.fork()
-if child == 0:
-    os._exit(0 if in_chunks(work, list(range(20)), 3, 3) == list(range(0, 40, 2)) else 1)
-sys.exit(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
-"""
-
-
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="processes do not fork here")
-def test_a_forked_process_has_helpers_of_its_own():
-    assert subprocess.run([sys.executable, "-W", "ignore", "-c", FORKED], cwd=ROOT, timeout=60).returncode == 0
+def test_what_was_traced_before_does_not_matter():
+    few, many = rolled(4), rolled(200)
+    first, second = ss.trace_support_region(few, 1e-2), ss.trace_support_region(many, 1e-4)
+    for one, tolerance, before in ((few, 1e-2, first), (many, 1e-4, second), (few, 1e-2, first)):
+        again = ss.trace_support_region(one, tolerance)
+        np.testing.assert_array_equal(again.inner, before.inner)
+        np.testing.assert_array_equal(again.outer_multipliers, before.outer_multipliers)
+    np.testing.assert_array_equal(first.inner, ss.trace_support_region(few, 1e-2).inner)
 
 
 @pytest.mark.parametrize("threads", [0, -1, 1.5, True, "two"])

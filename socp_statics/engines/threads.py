@@ -33,19 +33,32 @@ def checked_threads(threads: int) -> int:
     return threads
 
 
-def in_chunks(work: Callable[[Sequence[Any]], list[Any]], items: Sequence[Any], chunk: int, threads: int) -> list[Any]:
+def _pieces(items: Sequence[Any], longest: int, threads: int) -> list[Sequence[Any]]:
+    """A list in pieces: short ones first, so that no thread waits while another one prepares a long one, and short ones at the end."""
+    if threads == 1:
+        return [items[i : i + longest] for i in range(0, len(items), longest)]
+    pieces: list[Sequence[Any]] = []
+    at = 0
+    while at < len(items):
+        length = max(1, min(longest, 1 << len(pieces), (len(items) - at) // (4 * threads)))
+        pieces.append(items[at : at + length])
+        at += length
+    return pieces
+
+
+def in_chunks(work: Callable[[Sequence[Any]], list[Any]], items: Sequence[Any], longest: int, threads: int) -> list[Any]:
     """Results of some work on pieces of a list, in the order of the list, whatever the number of threads.
 
     Args:
-        work: From a piece to the results of its items.
+        work: From a piece to the results of its items, none of which depends on what else is in the piece.
         items: The list.
-        chunk: Length of a piece; it does not depend on the threads, so that neither do the results.
+        longest: Length of the longest piece.
         threads: Number of threads, the calling one among them.
 
     Raises:
         BaseException: What work raised for the first piece for which it did.
     """
-    pieces = [items[i : i + chunk] for i in range(0, len(items), chunk)]
+    pieces = _pieces(items, longest, threads)
     others = min(threads, len(pieces)) - 1
     if others < 1:
         return [result for piece in pieces for result in work(piece)]

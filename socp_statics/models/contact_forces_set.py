@@ -140,7 +140,7 @@ def force_values(data: StaticsData, cone: ConeChoice, basis: Array) -> dict[str,
     Args:
         data: The stance's arrays.
         cone: Exact cones or pyramids.
-        basis: Orthonormal basis of the balance rows kept, shape (6, rows).
+        basis: Basis of the balance rows kept, shape (6, rows).
 
     Returns:
         Values by parameter name; those a shape does not use are ignored by the engines.

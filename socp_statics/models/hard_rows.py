@@ -42,7 +42,7 @@ def hard_values(
 
     Args:
         data: The stance's arrays.
-        basis: Orthonormal basis of the balance rows kept, shape (6, rows).
+        basis: Basis of the balance rows kept, shape (6, rows).
         load: The load instead of the stance's own, shape (6,).
         free: Wrenches of further unknowns that no hard row sees, such as coordinates of the centre of mass, shape (6, k).
 

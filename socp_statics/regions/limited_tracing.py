@@ -59,9 +59,8 @@ def trace_limited(question: RegionQuestion, cone: ConeChoice, tolerance: float) 
     if kind != polygon:
         return None
     gap, margin, inner_area, outer_area = numbers.tolist()
+    com_margin = None if not question.with_com else 0.0 if -ON_EDGE * rows.size < margin <= 0.0 else margin
+    witnesses = LimitedWitnesses(stance, forces[:, : rows.wrench_map.shape[1]], motions, rows.lift, rows.joints)
     return SupportRegion.polygon(
-        inner, outer, inner_area=inner_area, outer_area=outer_area, relative_gap=gap, solves=solves, cone=cone, size=rows.size,
-        frozen=len(rows.joints) > 0, lines=motions[:, -3:],
-        com_margin=None if not question.with_com else 0.0 if -ON_EDGE * rows.size < margin <= 0.0 else margin,
-        witnesses=LimitedWitnesses(stance, forces[:, : rows.wrench_map.shape[1]], motions, rows.lift, rows.joints),
-    )  # fmt: skip
+        inner, outer, motions[:, -3:], witnesses, cone, gap, solves, com_margin, rows.size, inner_area, outer_area, len(rows.joints) > 0
+    )

@@ -16,7 +16,7 @@ from socp_statics.spatial import Array
 from socp_statics.statics import PointForces
 
 POLYGON: dict[str, Any] = {
-    "kind": "polygon", "rays": np.zeros((0, 2)), "engine": "kernel", "handovers": 0, "clip": None, "frozen": False, "widened": 0.0,
+    "kind": "polygon", "rays": np.zeros((0, 2)), "engine": "kernel", "handovers": 0, "clip": None, "widened": 0.0,
 }  # fmt: skip
 
 
@@ -63,10 +63,18 @@ class SupportRegion:
     lines: Array | None = None
 
     @classmethod
-    def polygon(cls, inner: Array, outer: Array, **rest: Any) -> Self:
-        """A polygon as the kernel's compiled tracer finds it; one is made in a microsecond, where a trace takes a few dozen."""
+    def polygon(
+        cls, inner: Array, outer: Array, lines: Array, witnesses: Witnesses, cone: ConeChoice, relative_gap: float, solves: int,
+        com_margin: float | None, size: float, inner_area: float, outer_area: float, frozen: bool = False,
+    ) -> Self:  # fmt: skip
+        """A polygon as the kernel's compiled tracer finds it; one is made in less than a microsecond, where a trace takes a few dozen."""
         region = object.__new__(cls)
-        object.__setattr__(region, "__dict__", {**POLYGON, "inner": inner, "outer": outer, **rest})
+        own = region.__dict__
+        own.update(POLYGON)
+        own["inner"], own["outer"], own["lines"] = inner, outer, lines
+        own["witnesses"], own["cone"], own["relative_gap"], own["solves"] = witnesses, cone, relative_gap, solves
+        own["com_margin"], own["size"], own["frozen"] = com_margin, size, frozen
+        own["inner_area"], own["outer_area"] = inner_area, outer_area
         return region
 
     @cached_property

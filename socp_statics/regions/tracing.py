@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
+from itertools import accumulate
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from socp_statics.cones.choice import ConeChoice, cone_choice
 from socp_statics.contacts import ExternalWrench
 from socp_statics.engines import compiled_first, engines_for
 from socp_statics.engines.threads import checked_threads, in_chunks
+from socp_statics.engines.work_memory import kept
 from socp_statics.exceptions import EngineError, InputError
 from socp_statics.regions.directions import com_plane
 from socp_statics.regions.limited_tracing import trace_limited
@@ -21,8 +23,8 @@ from socp_statics.regions.tracer import ON_EDGE, Tracer
 from socp_statics.regions.witnesses import TracedWitnesses
 from socp_statics.statics import assemble
 
-# Short pieces: what a thread waits for the interpreter while another one makes regions of a long one is lost.
-CHUNK = 8
+# Regions in a piece of a batch, at most: what a thread waits for the interpreter while another one makes regions of a long one is lost.
+PIECE = 16
 
 
 def trace_support_region(
@@ -120,17 +122,30 @@ def trace_support_regions(
     checked_threads(threads)
     compiled = compiled_first(engine, form)
 
-    def asked(part: Sequence[Any]) -> list[tuple[RegionQuestion, SupportRegion | None]]:
+    def asked(part: Sequence[Any]) -> list[SupportRegion | RegionQuestion]:
         questions = [region_question(one, height, mass, gravity, external_wrenches, torque_limits) for one in part]
-        free = [q for q in questions if compiled and q.compiled]
-        found = iter(_by_the_kernel(free, choice, tolerance) if free else [])
-        return [(q, next(found) if compiled and q.compiled else None) for q in questions]
+        return _free_ones(questions, choice, tolerance) if compiled else [*questions]
 
-    pairs = in_chunks(asked, list(sets), CHUNK, threads)
-    limited = [q for q, _ in pairs if compiled and not q.compiled]
-    found = iter(in_chunks(lambda part: [trace_limited(q, choice, tolerance) for q in part], limited, 1, threads))
-    regions = [next(found) if compiled and not q.compiled else region for q, region in pairs]
-    return [_one_by_one(q, choice, form, engine, tolerance) if r is None else r for (q, _), r in zip(pairs, regions, strict=True)]
+    def limited(part: Sequence[RegionQuestion]) -> list[SupportRegion | None]:
+        return [None if q.compiled else trace_limited(q, choice, tolerance) for q in part]
+
+    answers = in_chunks(asked, list(sets), PIECE, threads)
+    open_ones = [i for i, answer in enumerate(answers) if isinstance(answer, RegionQuestion)]
+    questions = [answers[i] for i in open_ones]
+    found = in_chunks(limited, questions, 1, threads) if compiled else [None] * len(questions)
+    for i, question, region in zip(open_ones, questions, found, strict=True):
+        answers[i] = _one_by_one(question, choice, form, engine, tolerance) if region is None else region
+    return answers
+
+
+def _free_ones(questions: list[RegionQuestion], cone: ConeChoice, tolerance: float) -> list[SupportRegion | RegionQuestion]:
+    """Regions of the questions that the compiled tracer of points with friction answers, and the other questions as they are."""
+    answers: list[SupportRegion | RegionQuestion] = list(questions)
+    free = [i for i, question in enumerate(questions) if question.compiled]
+    if free:
+        for i, region in zip(free, _by_the_kernel([questions[i] for i in free], cone, tolerance), strict=True):
+            answers[i] = region or questions[i]
+    return answers
 
 
 def _checked_tolerance(tolerance: float) -> None:
@@ -139,43 +154,44 @@ def _checked_tolerance(tolerance: float) -> None:
 
 
 @cache
-def _kernel() -> tuple[Any, Any, Any, int]:
+def _kernel() -> tuple[Any, Any, Any, Any, int]:
     """The compiled tracer and what goes with it, imported when it is first used."""
     from socp_statics.engines.kernel.pyramids import cone_rows
     from socp_statics.engines.kernel.refinement import POLYGON, most_directions
-    from socp_statics.engines.kernel.tracing import trace
+    from socp_statics.engines.kernel.tracing import trace, work_arrays
 
-    return trace, cone_rows, most_directions, POLYGON
+    return trace, work_arrays, cone_rows, most_directions, POLYGON
 
 
 def _by_the_kernel(questions: Sequence[RegionQuestion], cone: ConeChoice, tolerance: float) -> list[SupportRegion | None]:
     """Regions of points that nothing but friction limits; None where the compiled tracer leaves the question to the others."""
-    trace, cone_rows, most_directions, polygon = _kernel()
+    trace, work_arrays, cone_rows, most_directions, polygon = _kernel()
     sets = [cone_rows(q.contacts.friction_points, cone) for q in questions]
+    cones = list(map(len, sets))
     if len(sets) == 1:
-        points, starts, loads = sets[0], np.array([0, len(sets[0])]), questions[0].load()[None]
+        points, loads = sets[0], questions[0].load()[None]
     else:
-        points, starts, loads = np.concatenate(sets), np.cumsum([0, *map(len, sets)]), np.array([q.load() for q in questions])
-    counts, numbers, inner, outer, multipliers, motions = trace(points, starts, loads, tolerance, most_directions(tolerance))
+        points, loads = np.concatenate(sets), np.array([q.load() for q in questions])
+    work = kept(work_arrays, max(cones), most_directions(tolerance))
+    counts, numbers, inner, outer, multipliers, motions, lines = trace(points, np.array([0, *accumulate(cones)]), loads, tolerance, work)
     regions: list[SupportRegion | None] = []
     at = edges = rows = 0
-    for question, cones, (kind, k, m, solves), (gap, margin, size, inner_area, outer_area) in zip(
-        questions, map(len, sets), counts.tolist(), numbers.tolist(), strict=True
+    for question, n, (kind, k, m, solves), (gap, margin, size, inner_area, outer_area) in zip(
+        questions, cones, counts.tolist(), numbers.tolist(), strict=True
     ):
         if kind != polygon:
             regions.append(None)
             continue
-        held = multipliers[rows : rows + k * cones]
         com_margin = None if not question.with_com else 0.0 if -ON_EDGE * size < margin <= 0.0 else margin
-        mine = motions[edges : edges + m]
+        corner, edge, row = at + k, edges + m, rows + k * n
+        witnesses = TracedWitnesses(question.stance, cone, multipliers[rows:row], motions[edges:edge])
         regions.append(
             SupportRegion.polygon(
-                inner[at : at + k], outer[edges : edges + m], inner_area=inner_area, outer_area=outer_area, relative_gap=gap,
-                solves=solves, cone=cone, com_margin=com_margin, size=size,
-                lines=mine[:, 6:], witnesses=TracedWitnesses(question.stance, cone, held, mine[:, :6]),
-            )  # fmt: skip
-        )
-        at, edges, rows = at + k, edges + m, rows + k * cones
+                inner[at:corner], outer[edges:edge], lines[edges:edge], witnesses, cone, gap, solves, com_margin, size,
+                inner_area, outer_area,
+            )
+        )  # fmt: skip
+        at, edges, rows = corner, edge, row
     return regions
 
 

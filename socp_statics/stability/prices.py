@@ -38,7 +38,7 @@ def shortfall_optimum(
     Args:
         data: The stance's arrays.
         cone: Exact cones or pyramids.
-        basis: Orthonormal basis of the balance rows kept, shape (6, r).
+        basis: Basis of the balance rows kept, shape (6, r).
         values: Numbers of the program.
         solution: Its solution.
 

@@ -38,7 +38,7 @@ class Effort:
     forces: int = 250
     growth_points: tuple[int, ...] = GROWTH_POINTS
     growth_coms: int = 256
-    copies: int = 8
+    copies: int = 64
     peers: bool = True
 
 

@@ -10,7 +10,7 @@ from socp_statics.engines.kernel.contact_vertices import carrying_points, contac
 from socp_statics.engines.kernel.continuation import continued
 from socp_statics.engines.kernel.five_unknowns import INFEASIBLE, SOLVED, UNBOUNDED
 from socp_statics.engines.kernel.friction_points import centre_and_size, full_rank, prepare_support, scaled_load, set_direction
-from socp_statics.engines.kernel.lanes import buffer_size, padded
+from socp_statics.engines.kernel.lanes import FIELDS, WIDTH, padded
 from socp_statics.engines.kernel.normal_matrix import factor, with_pad
 from socp_statics.engines.kernel.projection_newton import EQUATION
 from socp_statics.engines.kernel.refinement import (
@@ -97,11 +97,27 @@ def trace_one(points, load13, tolerance, X, ints, nodes, motions, forces, alone,
         count += 1
 
 
+def work_arrays(cones, most):
+    """Memory that `trace` works in.
+
+    Args:
+        cones: Largest number of points of a set.
+        most: Number of directions that may be asked: a row a support, so that a trace which asks few directions touches little memory.
+
+    Returns:
+        Buffer of the cones; rows of indices; supports, their motions and forces; corners; scratch of `trace_one`.
+    """
+    X, ints = np.empty(-(-cones // WIDTH) * FIELDS * WIDTH), np.empty((6, max(most, cones)), np.int64)
+    a_support = map(np.empty, ((most, NODE), (most, 5), (most, 3 * cones), (most, 2)))
+    return X, ints, *a_support, np.empty((cones, 5)), np.empty((3 * cones, EQUATION)), np.empty((15, 6))
+
+
 @entry(
-    "Tuple((int64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1]))"
-    "(float64[:,::1], int64[::1], float64[:,::1], float64, int64)"
+    "Tuple((int64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1]))"
+    "(float64[:,::1], int64[::1], float64[:,::1], float64, Tuple((float64[::1], int64[:,::1], float64[:,::1], float64[:,::1], "
+    "float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1])))"
 )
-def trace(points, starts, loads, tolerance, most):
+def trace(points, starts, loads, tolerance, work):
     """Trace the support regions of sets of points with friction.
 
     Args:
@@ -110,27 +126,22 @@ def trace(points, starts, loads, tolerance, most):
         loads: Of each set, shape (b, 13): force of gravity (3) [N]; other impressed wrenches about the mean contact point (6) [N, N m];
             W [N]; height of the centre of mass, its position along x and y, or nan where no margin is asked for [m].
         tolerance: Of (outer area - inner area) / outer area.
-        most: Number of directions that may be asked.
+        work: Of `work_arrays`, for no fewer points than any set has.
 
     Returns:
         Of each set: what its region is (POLYGON, or why this tracer does not say), number of inner corners, of outer edges and of
         programs, shape (b, 4); relative gap, CoM margin [m], size [m], inner and outer area [m^2], shape
         (b, 5). Then, all sets one after the other: inner
         corners [m], outer corners [m], scaled multipliers of each row and inner corner (three numbers), of each outer edge
-        its scaled motion (6), unit normal (2) and offset [m].
+        its scaled motion (6), then its unit normal (2) and offset [m].
     """
     batch, widest = starts.shape[0] - 1, 1
     for b in range(batch):
         widest = max(widest, starts[b + 1] - starts[b])
-    X = np.empty(buffer_size(widest))
-    # A row a support: a trace that asks few directions touches little memory.
-    ints = np.empty((6, max(most, widest)), np.int64)
-    nodes, motions, alone, small = np.empty((most, NODE)), np.empty((most, 5)), np.empty((widest, 5)), np.empty((15, 6))
-    equations = np.empty((3 * widest, EQUATION))
-    store, corners = np.empty((most, 3 * widest)), np.empty((most, 2))
+    X, ints, nodes, motions, forces, corners, alone, equations, small = work
     counts, numbers = np.empty((batch, 4), np.int64), np.empty((batch, 5))
-    inner_xy, outer_xy, moving = np.empty((16 * batch, 2)), np.empty((16 * batch, 2)), np.empty((16 * batch, 9))
-    held = np.empty((16 * batch * widest, 3))
+    inner_xy, held = np.empty((16 * batch, 2)), np.empty((16 * batch * widest, 3))
+    outer_xy, moving, lines = np.empty((16 * batch, 2)), np.empty((16 * batch, 6)), np.empty((16 * batch, 3))
     inners = outers = rows = 0
     keep, used = ints[KEEP], ints[USED]
     for b in range(batch):
@@ -138,7 +149,7 @@ def trace(points, starts, loads, tolerance, most):
         cones = mine.shape[0]
         kind, count, inner_area, margin, size = trace_one(
             borrowed(mine), loads[b], tolerance, borrowed(X), borrowed(ints), borrowed(nodes), borrowed(motions),
-            borrowed(store), borrowed(alone), borrowed(equations), borrowed(small),
+            borrowed(forces), borrowed(alone), borrowed(equations), borrowed(small),
         )  # fmt: skip
         k = m = 0
         gap, area, outer_area = 1.0, 0.0, 0.0
@@ -146,13 +157,13 @@ def trace(points, starts, loads, tolerance, most):
             kind, k, m, gap, area, outer_area = polygons(borrowed(nodes), borrowed(ints), inner_area, borrowed(corners))
         if kind == POLYGON:
             inner_xy, held = grown(inner_xy, inners, k), grown(held, rows, k * cones)
-            outer_xy, moving = grown(outer_xy, outers, m), grown(moving, outers, m)
+            outer_xy, moving, lines = grown(outer_xy, outers, m), grown(moving, outers, m), grown(lines, outers, m)
             for a in range(k):
                 i = keep[a]
                 inner_xy[inners + a, 0], inner_xy[inners + a, 1] = small[0, 0] + size * nodes[i, CX], small[0, 1] + size * nodes[i, CY]
                 for c in range(cones):
                     for j in range(3):
-                        held[rows + a * cones + c, j] = store[i, 3 * c + j]
+                        held[rows + a * cones + c, j] = forces[i, 3 * c + j]
             for e in range(m):
                 i = used[e]
                 outer_xy[outers + e, 0], outer_xy[outers + e, 1] = small[0, 0] + size * corners[e, 0], small[0, 1] + size * corners[e, 1]
@@ -161,10 +172,10 @@ def trace(points, starts, loads, tolerance, most):
                     turn = small[3, c] * motions[i, 3] + nodes[i, DX] * small[1, c] + nodes[i, DY] * small[2, c]
                     moving[outers + e, 3 + c] = turn
                 dx, dy = nodes[i, DX], nodes[i, DY]
-                moving[outers + e, 6], moving[outers + e, 7] = dx, dy
-                moving[outers + e, 8] = dx * small[0, 0] + dy * small[0, 1] + size * nodes[i, BOUND]
+                lines[outers + e, 0], lines[outers + e, 1] = dx, dy
+                lines[outers + e, 2] = dx * small[0, 0] + dy * small[0, 1] + size * nodes[i, BOUND]
         inners, outers, rows = inners + k, outers + m, rows + k * cones
         counts[b, 0], counts[b, 1], counts[b, 2], counts[b, 3] = kind, k, m, count
         numbers[b, 0], numbers[b, 1], numbers[b, 2] = gap, margin, size
         numbers[b, 3], numbers[b, 4] = size * size * area, size * size * outer_area
-    return counts, numbers, inner_xy[:inners], outer_xy[:outers], held[:rows], moving[:outers]
+    return counts, numbers, inner_xy[:inners], outer_xy[:outers], held[:rows], moving[:outers], lines[:outers]
