@@ -122,3 +122,26 @@ def test_equilibration_is_exact_and_levels_entries(seed):
     x1, y1 = own.enter(x, y)
     assert own.data.A @ x1 == pytest.approx(own.rows * (data.A @ x), rel=1e-12)
     assert own.data.A.T @ y1 == pytest.approx(own.columns * (data.A.T @ y), rel=1e-12)
+
+
+LEANING = 0.2
+
+
+def nearly_on_a_line(off: float) -> Stance:
+    """Two points and a better one between them that is higher by ``off``; gravity leans across the line, the CoM along with it."""
+    contacts = ContactSet([
+        PointContact("end", [-0.5, 0, 0], normal=UP, friction=0.5),
+        PointContact("middle", [0, 0, off], normal=UP, friction=2.0),
+        PointContact("other_end", [0.5, 0, 0], normal=UP, friction=0.5),
+    ])  # fmt: skip
+    gravity = 9.81 * np.array([0.0, np.sin(LEANING), -np.cos(LEANING)])
+    return Stance(contacts, (0.0, -np.tan(LEANING), 1.0), 60.0, gravity=gravity)
+
+
+@pytest.mark.parametrize("engine", ["auto", "kernel", "clarabel"])
+@pytest.mark.parametrize("off", [0.0, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-2])
+def test_a_point_off_a_line_carries_nothing_across_it_however_near_it_is(off, engine):
+    answer = check_equilibrium(nearly_on_a_line(off), engine=engine)
+    # Across the line only the ends hold, unless the middle is exactly on it: N - 3 t >= F / mu of who holds.
+    holding = 0.5 if off else 2.0
+    assert answer.margin / W == pytest.approx((np.cos(LEANING) - np.sin(LEANING) / holding) / 3, abs=1e-8)

@@ -88,7 +88,7 @@ SETTLED = {
     "rays of what closes the force": ["grasp:4796", "climbing:1972", "mixed:7995"],
     "walls that nearly close the force": ["chimney:3057", "chimney:10804", "chimney:8825"],
     "slopes within a hair of the friction angle": ["steep:594", "steep:14775"],
-    "points nearly on a line, with large multipliers": ["collinear:271", "collinear:8191", "collinear:15553"],
+    "points nearly on a line, with large multipliers": ["collinear:271", "collinear:8191", "collinear:11671", "collinear:15553"],
     "forces that a rough solution takes for none": ["collinear:13671", "parallel:1969", "parallel:2352", "thin:16278"],
     "large forces": ["duplicates:10712", "duplicates:19364"],
     "small frictions in rows of their own": ["mixed:12341", "mixed:15105"],

@@ -275,3 +275,20 @@ def test_a_load_about_the_line_through_two_points_is_out_of_reach():
     for y, wanted in ((0.0, 0.0), (1e-6, 0.5e-6), (0.3, 0.15)):
         data = assemble(Stance(contacts, (0, y, 0), 60.0))
         assert wrench_range(data.wrench_map).outside(data.load) == pytest.approx(wanted, abs=1e-14)
+
+
+@pytest.mark.parametrize("smallest", [0.9e-4, 1e-6, 1e-7])
+def test_rows_of_weak_directions_count_like_the_others(smallest):
+    rng = np.random.default_rng(7)
+    U, _ = np.linalg.qr(rng.normal(size=(6, 6)))
+    V, _ = np.linalg.qr(rng.normal(size=(9, 6)))
+    wrench_map = U @ np.diag([2, 1, 1, 1, 1, smallest]) @ V.T
+    reach = wrench_range(wrench_map)
+    rows = reach.basis.T @ wrench_map
+    np.testing.assert_allclose(rows @ rows.T, np.eye(6), atol=1e-7)
+    np.testing.assert_allclose(np.linalg.matrix_rank(reach.basis, tol=0.1), 6)
+
+
+def test_no_row_is_enlarged_beyond_what_rounding_leaves():
+    reach = wrench_range(np.hstack([np.diag([1, 1, 1, 1, 1, 2e-9]), np.zeros((6, 2))]))
+    assert reach.rank == 6 and np.linalg.norm(reach.basis, axis=0).max() == pytest.approx(1e7)
