@@ -8,6 +8,8 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 SCHEMA = 1
 NOT_HASHED = ("description", "reference", "expect")
 SIMPLE = frozenset((str, int, bool, type(None)))
@@ -41,8 +43,8 @@ def plain(value: Any) -> Any:
     if isinstance(value, float):
         return plain(float(value))
     if hasattr(value, "tolist"):
-        # An array of finite numbers is one step.
-        numbers = value.dtype.kind == "f" and value.ndim and value.size and math.isfinite(value.min()) and math.isfinite(value.max())
+        # An array of finite numbers is one step; where the sum of squares is too large for a number they are looked at one by one.
+        numbers = value.dtype.kind == "f" and value.ndim and value.size and math.isfinite(np.vdot(value, value))
         return (value + 0.0).tolist() if numbers else plain(value.tolist())
     return [plain(entry) for entry in value]
 

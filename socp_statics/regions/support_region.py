@@ -153,7 +153,7 @@ class SupportRegion:
     def as_record(self) -> dict[str, Any]:
         """The record's entry; arrays where it has lists of numbers."""
         forces, multipliers = self.inner_forces, self.outer_multipliers
-        acting = list(zip(forces[0].contact, forces[0].point_W, strict=True)) if forces else []
+        acting = list(zip(forces[0].contact, forces[0].point_W.tolist(), strict=True)) if forces else []
         notes = ({"posture": "frozen"} if self.frozen else {}) | ({"widened": self.widened} if self.widened else {})
         return notes | {
             "kind": self.kind,
