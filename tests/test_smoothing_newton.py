@@ -107,6 +107,7 @@ def test_the_kernel_settles_what_the_sweep_found(stance):
     assert (out.engine, out.handovers, out.region_engine, out.region_handovers) == ("kernel", 0, "kernel", 0)
 
 
-def test_clarabel_is_taken_to_rounding_too():
-    out = check_case(Case("chimney", 1673), "clarabel", batches=False)
+@pytest.mark.parametrize("seed", [1673, 10825])
+def test_clarabel_is_taken_to_rounding_too(seed):
+    out = check_case(Case("chimney", seed), "clarabel", batches=False)
     assert out.violations == []

@@ -20,6 +20,8 @@ from socp_statics.spatial import Array
 ACCEPTED = 1e-8
 # A solution that is short of more, as a share of its objective, is solved on to rounding.
 PRECISE = 1e-9
+# What the objective of an answer may be short of for its unknowns to meet the constraints.
+SHORT = 1e-6
 
 
 class ConicSession:
@@ -98,8 +100,15 @@ class ConicSession:
         cones = self.form.cones
         if cones.psd or not (np.isfinite(x).all() and np.isfinite(y).all()):
             return solution
-        # An answer that was good enough for the engine gives way to any that is nearer.
-        enough = max(ACCEPTED, 0.5 * max(solution.residuals)) if solution.status == SOLVED else ACCEPTED
+        before = solution.residuals if solution.status == SOLVED else None
+
+        def better_than_before(after: Residuals) -> bool:
+            """Nearer than an answer that was good enough for the engine; or one that meets the constraints, where that one does not."""
+            if max(after) <= ACCEPTED or before is None:
+                return max(after) <= ACCEPTED
+            meets = before.primal > ACCEPTED >= after.primal and after.dual <= before.dual and after.gap <= SHORT
+            return meets or max(after) <= 0.5 * max(before)
+
         # The program as it is, then equilibrated, which is work that most never need.
         ways = (lambda: Equilibrated(data, np.ones(len(x)), np.ones(len(y))), cache(lambda: equilibrated(data, cones)))
         for method in (finished, approached):
@@ -109,7 +118,7 @@ class ConicSession:
                 for unit in (unit_of(x0, y0), 1.0):
                     found = method(scaled.data, cones, x0, y0, unit)
                     better = None if found is None else scaled.leave(*found)
-                    if better is not None and max(self.form.residuals(data, *better)) <= enough:
+                    if better is not None and better_than_before(self.form.residuals(data, *better)):
                         detail = f"{solution.detail}, then solved to rounding"
                         return FinishedSolution(self.form, data, self.offset, solution.engine, detail, *better)
         return solution
