@@ -276,6 +276,9 @@ def mixed(rng):
     for k in range(int(rng.integers(1, 8))):
         p, n, mu = rng.uniform(-0.5, 0.5, 3), tilted(rng, rng.choice([0.0, 0.3, 1.5])), mu_of(rng)
         bound = None if rng.random() < 0.7 else np.sort(WEIGHT * rng.choice(BOUNDS, 2, replace=rng.random() < 0.1)).tolist()
+        if bound is not None:
+            # Twice the same bound may be twice no bound.
+            bound[0] = min(bound[0], WEIGHT * max(filter(np.isfinite, BOUNDS)))
         R, name = frame(n, rng), f"c{k}"
         kind = int(rng.integers(0, 9))
         if kind == 0:
