@@ -85,7 +85,7 @@ def optimise_contact_forces(
     def solve(one: Engine) -> Solution:
         return one.compile(MODEL, shape).solve(values)
 
-    solution, handovers = settled(data, choice, engine, solve, f"objective '{objective}'", form)
+    solution, handovers = settled(data, choice, engine, solve, f"objective '{objective}'", form, balances=equilibrium.stable)
     if solution.status != SOLVED:
         return infeasible(equilibrium)
     W = data.units.force

@@ -57,7 +57,7 @@ def infeasible(equilibrium: EquilibriumAnswer) -> ForceAnswer:
 
 def settled(
     data: StaticsData, cone: ConeChoice, engine: str | Sequence[str], solve: Callable[[Engine], Solution], what: str, form: str, *,
-    check: bool = True,
+    check: bool = True, balances: bool = False,
 ) -> tuple[Solution, int]:
     """One program by the first engine whose answer checks.
 
@@ -69,6 +69,7 @@ def settled(
         what: What is being solved, for the error sentence.
         form: "socp" or "sdp".
         check: Whether the forces have to lie inside the set.
+        balances: Whether there are forces in the set for certain: an engine that says there are none has not settled the program.
 
     Returns:
         A solution that is solved with forces inside the set, or infeasible; and the number of handovers.
@@ -80,13 +81,15 @@ def settled(
     for handovers, one in enumerate(engines_for(engine, form)):
         solution = solve(one)
         details.append(f"{one.name}: {solution.detail}")
-        if solution.status == INFEASIBLE:
+        if solution.status == INFEASIBLE and not balances:
             return solution, handovers
         if solution.status == SOLVED:
             x = solution.variables["x"]
             if not check or max(force_residuals(data, cone, x)) <= ACCEPTED * max(1.0, float(abs(x).max())):
                 return solution, handovers
             details[-1] += " with forces outside the set"
+        elif solution.status == INFEASIBLE:
+            details[-1] += " though forces balance"
         elif solution.status != FAILED:
             details[-1] += " without an optimum"
     raise EngineError(f"{what} was not settled ({'; '.join(details)})", name=engine_names(engine)[-1])

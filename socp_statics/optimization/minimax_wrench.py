@@ -93,6 +93,24 @@ def measured(data: StaticsData, cone: ConeChoice, measure: str, level: str, leng
     return Measured(rows, grip, np.array([len(g.points) for g in chosen], dtype=float), scaled, len(chosen))
 
 
+def attains(data: StaticsData, cone: ConeChoice, measure: str, level: str) -> bool:
+    """Whether some forces attain the least measure for certain.
+
+    Bounded normal forces bound all others but those of handles, which are limited by half-spaces. Bounded tangential forces of single
+    points leave a bounded set plus a cone with flat faces, the normal forces; not so those of a whole sole or of an elliptic soft
+    finger, whose sum or share may come as near to its limit as normal forces grow.
+
+    Args:
+        data: The stance's arrays.
+        cone: Exact cones or pyramids.
+        measure: One of `MEASURES`.
+        level: "contact" or "point".
+    """
+    alone = level == "point" or len(set(data.contact_of_point.tolist())) == data.points
+    flat = not cone.is_exact and not data.elliptic
+    return measure in ("normal", "force", "component") or (measure == "tangential" and (flat or (alone and not data.elliptic)))
+
+
 def minimise_largest_wrench(
     stance: Any,
     measure: str = "force",
@@ -140,7 +158,7 @@ def minimise_largest_wrench(
         return infeasible(equilibrium)
     data = assemble(stance)
     what = measured(data, choice, measure, level, length / data.units.length)
-    question = _Question(data, choice, form, engine, measure, what, equilibrium)
+    question = _Question(data, choice, form, engine, measure, what, equilibrium, attains(data, choice, measure, level))
     if not question.what.groups and not len(question.what.scaled):
         return question.nothing_to_measure()
     if measure == "friction_use":
@@ -158,10 +176,10 @@ class _Question:
 
     def __init__(
         self, data: StaticsData, cone: ConeChoice, form: str, engine: str | Sequence[str], measure: str, what: Measured,
-        equilibrium: EquilibriumAnswer,
+        equilibrium: EquilibriumAnswer, attained: bool,
     ):
         self.data, self.cone, self.form, self.engine = data, cone, form, engine
-        self.measure, self.what, self.equilibrium = measure, what, equilibrium
+        self.measure, self.what, self.equilibrium, self.attained = measure, what, equilibrium, attained
         self.reach = wrench_range(data.wrench_map)
         self.values = force_values(data, cone, self.reach.basis) | {"F": what.rows}
         self.handovers = 0
@@ -170,7 +188,8 @@ class _Question:
         def solve(one: Engine) -> Solution:
             return one.compile(model, shape).solve(values)
 
-        solution, handovers = settled(self.data, self.cone, self.engine, solve, f"measure '{self.measure}'", self.form, check=check)
+        solution, handovers = settled(self.data, self.cone, self.engine, solve, f"measure '{self.measure}'", self.form, check=check,
+                                      balances=check and self.equilibrium.stable)  # fmt: skip
         self.handovers += handovers
         return solution
 
@@ -202,7 +221,7 @@ class _Question:
         if solution.status != SOLVED:
             return infeasible(self.equilibrium)
         value = max(solution.objective, 0.0)
-        diverges = float(np.abs(solution.variables["x"]).max()) > DIVERGES
+        diverges = not self.attained and float(np.abs(solution.variables["x"]).max()) > DIVERGES
         return self._answer(solution, "unbounded" if diverges else "solved", value * self.data.units.force)
 
     def _reserve(self, use: float) -> Solution:

@@ -71,7 +71,7 @@ def minimise_torque_use(
     def solve(one: Engine) -> Solution:
         return one.compile(MODEL, shape).solve(values)
 
-    solution, handovers = settled(hard, choice, engine, solve, "the least use of torques", form)
+    solution, handovers = settled(hard, choice, engine, solve, "the least use of torques", form, balances=equilibrium.stable)
     if solution.status != SOLVED:
         return infeasible(equilibrium)
     x = solution.variables["x"]
@@ -135,7 +135,7 @@ def minimise_power_and_peak(
     def solve(one: Engine) -> Solution:
         return one.compile(ORIN_OH, shape).solve(values)
 
-    solution, handovers = settled(data, cone, engine, solve, "objective 'orin_oh'", form)
+    solution, handovers = settled(data, cone, engine, solve, "objective 'orin_oh'", form, balances=equilibrium.stable)
     if solution.status != SOLVED:
         return infeasible(equilibrium)
     value = solution.objective * data.units.force * length

@@ -71,7 +71,7 @@ def distribute_by_quadratic_program(
     def solve(one: Engine) -> Solution:
         return one.compile(MODEL, shape).solve(values)
 
-    solution, handovers = settled(data, cone, engine, solve, "the quadratic program of the wrenches", form)
+    solution, handovers = settled(data, cone, engine, solve, "the quadratic program of the wrenches", form, balances=equilibrium.stable)
     if solution.status != SOLVED:
         return infeasible(equilibrium)
     x, gap = solution.variables["x"], solution.gap
