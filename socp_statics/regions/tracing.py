@@ -144,7 +144,7 @@ def _free_ones(questions: list[RegionQuestion], cone: ConeChoice, tolerance: flo
     free = [i for i, question in enumerate(questions) if question.compiled]
     if free:
         for i, region in zip(free, _by_the_kernel([questions[i] for i in free], cone, tolerance), strict=True):
-            answers[i] = region or questions[i]
+            answers[i] = questions[i] if region is None else region
     return answers
 
 
