@@ -66,8 +66,7 @@ class Tracer:
 
     def _without_interior(self, error: EngineError) -> SupportRegion:
         """What no engine settles because the set of forces has no interior: empty, or traced with cones 1e-7 W wider."""
-        shape = RegionShape(force_shape(self.data, self.cone, self.form, self.plane.basis.shape[1]), self.plane.axes.shape[1], False)
-        if not shape.coordinates:
+        if not self.plane.axes.shape[1]:
             raise error
         start = load_at(self.data, self.plane.origin)
         hard, rows = hard_values(self.data, self.plane.basis, start, self.data.com_load @ self.plane.axes)
@@ -75,10 +74,8 @@ class Tracer:
         self.solves += 1
         if missing.status == SOLVED and missing.objective > BOUNDARY:
             return self._empty()
-        values = plane_values(self.data, self.plane, self.cone) | {"cap": np.array(1.0)}
-        solution = self.engine.compile(LARGEST_RESERVE, shape).solve(values)
-        self.solves += 1
-        if solution.status == INFEASIBLE or (solution.status == SOLVED and solution.objective < -BOUNDARY):
+        solution = self._largest_reserve()
+        if self._none_in_balance(solution):
             return self._empty()
         if solution.status != SOLVED or solution.objective > BOUNDARY:
             raise error
@@ -87,6 +84,16 @@ class Tracer:
         traced = tracer._traced()
         witnesses = replace(traced.witnesses, data=self.data, shift=shift)  # type: ignore[type-var]
         return replace(traced, witnesses=witnesses, widened=-float(shift.min(initial=0.0)) * self.data.units.force)
+
+    def _largest_reserve(self) -> Solution:
+        """The position with the largest reserve, wherever it is."""
+        shape = RegionShape(force_shape(self.data, self.cone, self.form, self.plane.basis.shape[1]), self.plane.axes.shape[1], False)
+        self.solves += 1
+        return self.engine.compile(LARGEST_RESERVE, shape).solve(plane_values(self.data, self.plane, self.cone) | {"cap": np.array(1.0)})
+
+    @staticmethod
+    def _none_in_balance(largest: Solution) -> bool:
+        return largest.status == INFEASIBLE or (largest.status == SOLVED and largest.objective < -BOUNDARY)
 
     @property
     def _unrestricted(self) -> bool:
@@ -160,6 +167,9 @@ class Tracer:
         clipped = Directions(self.data, centred, self.cone, self.form, self.engine, clip=0.5 * (stop - start))
         found = [clipped.solve((sign,)) for sign in (-1.0, 1.0)]
         self.solves += 2
+        # An engine may say first that something grows without end where there is nothing at all.
+        if any(s.status == INFEASIBLE for s in found) and self._none_in_balance(self._largest_reserve()):
+            return self._empty()
         if any(s.status != SOLVED for s in found):
             raise EngineError(f"engine {self.engine.name} did not settle an endless segment", name=self.engine.name)
         points = np.array([clipped.position(s.variables["s"]) for s in found])
@@ -228,13 +238,17 @@ class Tracer:
         self.solves += cone.queries
         if not len(rays):
             raise EngineError(f"engine {self.engine.name} found a region without end but no direction of growth", name=self.engine.name)
-        margin = self._endless_margin(rays)
         directions = Directions(self.data, self.plane, self.cone, self.form, self.engine, clip=CLIP)
         try:
             sandwich = Sandwich(directions.support, [directions.support(d) for d in START])
         except EmptyRegion:
             self.solves += directions.queries
+            # An engine may say first that something grows without end where there is nothing at all.
+            if len(rays) == 4 or self._none_in_balance(self._largest_reserve()):
+                return self._empty()
+            margin = self._endless_margin(rays)
             return self._result("unbounded", np.zeros((0, 2)), np.zeros((0, 2)), rays, 0.0, margin, [], [])
+        margin = self._endless_margin(rays)
         sandwich.refine(self.tolerance, self._is_thin)
         self.solves += directions.queries
         return self._polygon("unbounded", directions, sandwich, rays, margin)
