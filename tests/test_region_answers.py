@@ -10,6 +10,7 @@ from random_stances import random_stance
 
 from socp_statics.contacts import ExternalWrench, Handle, PointContact, Stance, SurfaceContact
 from socp_statics.regions import base_of_support, trace_support_region
+from socp_statics.regions.sandwich import Support, _crossing
 from socp_statics.stability import check_equilibrium
 
 SEEDS = range(100, 105)
@@ -113,6 +114,26 @@ def test_margins_in_regions_without_end(contacts, com, expected):
     assert region.kind == "unbounded"
     assert region.com_margin == pytest.approx(expected, abs=1e-6)
     assert (check_equilibrium(stance).verdict == "unstable") == (expected < 0)
+
+
+@pytest.mark.parametrize("engine", ["auto", "clarabel", "cvxpy"])
+@pytest.mark.parametrize("least", [1.2, 2.0])
+@pytest.mark.parametrize("transmits", [["mx", "my"], ["fx", "fy", "mx", "my"], ["mx", "my", "mz"], ["fx", "mx", "my", "mz"]])
+def test_a_rail_that_resists_any_moment_carries_nobody_who_must_press_too_hard(transmits, least, engine):
+    foot = SurfaceContact("foot", [0, 0, 0], normal=UP, friction=0.5, size=[0.2, 0.1], normal_force=[least * 60 * 9.81, np.inf])
+    rail = Handle("rail", [0.5, 0, 1], normal=UP, transmits=transmits)
+    stance = Stance([foot, rail], (0, 0, 1), 60.0)
+    region = trace_support_region(stance, engine=engine)
+    assert (region.kind, region.com_margin) == ("empty", None)
+    assert check_equilibrium(stance, engine=engine).verdict == "unstable"
+
+
+@pytest.mark.parametrize("bar", [True, False])
+def test_a_line_of_positions_is_empty_where_a_foot_must_press_too_hard(bar):
+    rod = Handle("rod", [0.5, 0, 1], normal=UP, transmits=["my"] if bar else ["mx"])
+    for bounds, kind in (([2 * 60 * 9.81, np.inf], "empty"), (None, "unbounded")):
+        foot = PointContact("foot", [0, 0, 0], normal=UP, friction=0.5, normal_force=bounds)
+        assert trace_support_region(Stance([foot, rod], (0, 0, 1), 60.0)).kind == kind
 
 
 def test_unbounded_polygons_are_clipped_to_ten_sizes():
@@ -219,3 +240,13 @@ def test_inner_corners_are_in_balance_and_points_beyond_outer_edges_are_not():
             n = np.array([b[1] - a[1], a[0] - b[0]]) / np.linalg.norm(b - a)
             outside = Stance(stance.contacts, [*(0.5 * (a + b) + 1e-6 * size * n), stance.com[2]], stance.mass)
             assert margin(linear_stance(outside, "inscribed", 64)) < 1e-9 * W
+
+
+@pytest.mark.parametrize("apart", [1e-8, 1e-6, 1e-3, 1.0])
+def test_lines_that_are_nearly_parallel_cross_on_both(apart):
+    rng = np.random.default_rng(3)
+    for angle, h, more in rng.uniform(-1.0, 1.0, (50, 3)):
+        lines = [Support((np.cos(a), np.sin(a)), (0.0, 0.0), b, None) for a, b in ((angle, h), (angle + apart, h + apart * more))]
+        crossing = _crossing(*lines)
+        for line in lines:
+            assert np.dot(line.d, crossing) == pytest.approx(line.h, abs=2e-15)

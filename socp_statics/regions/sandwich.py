@@ -200,7 +200,9 @@ def _crossing(a: Support, b: Support) -> tuple[float, float] | None:
     cross = a.d[0] * b.d[1] - a.d[1] * b.d[0]
     if cross <= PARALLEL:
         return None
-    return (a.h * b.d[1] - b.h * a.d[1]) / cross, (b.h * a.d[0] - a.h * b.d[0]) / cross
+    # Along the first line: where the two are nearly parallel, rounding moves their crossing along both and off neither.
+    along = (b.h - a.h * (a.d[0] * b.d[0] + a.d[1] * b.d[1])) / cross
+    return a.h * a.d[0] - along * a.d[1], a.h * a.d[1] + along * a.d[0]
 
 
 def _cuts_nothing(before: Support, here: Support, after: Support, rounding: float) -> bool:

@@ -22,9 +22,10 @@ def crossing(nodes, i, j):
     turn = nodes[i, DX] * nodes[j, DY] - nodes[i, DY] * nodes[j, DX]
     if turn <= PARALLEL:
         return 0.0, 0.0, False
-    x = (nodes[i, BOUND] * nodes[j, DY] - nodes[j, BOUND] * nodes[i, DY]) / turn
-    y = (nodes[j, BOUND] * nodes[i, DX] - nodes[i, BOUND] * nodes[j, DX]) / turn
-    return x, y, True
+    # Along the first line: where the two are nearly parallel, rounding moves their crossing along both and off neither.
+    bound = nodes[i, BOUND]
+    along = (nodes[j, BOUND] - bound * (nodes[i, DX] * nodes[j, DX] + nodes[i, DY] * nodes[j, DY])) / turn
+    return bound * nodes[i, DX] - along * nodes[i, DY], bound * nodes[i, DY] + along * nodes[i, DX], True
 
 
 @inner
