@@ -34,7 +34,10 @@ def compare(
     table_file: Annotated[str | None, typer.Option("--table", metavar="FILE", help="Write the table with times (.csv or .md).")] = None,
     figure_file: Annotated[str | None, typer.Option("--figure", metavar="FILE", help="Draw it (.pdf, .png or .svg).")] = None,
 ) -> None:
-    """Linearised against exact cones: one stance by its values, a sweep by its rates of false verdicts."""
+    """Linearised against exact cones.
+
+    One stance is compared by its values, a sweep by its rates of false verdicts.
+    """
     from socp_statics.cases.problem import load_problem
     from socp_statics.comparison import compare as compare_problem
     from socp_statics.comparison.pyramids import checked_headings, checked_sides
