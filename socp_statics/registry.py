@@ -15,6 +15,25 @@ from typing import Any
 
 from socp_statics.exceptions import InputError, StaticsError
 
+# Fewer letters than this are the start of too much.
+LEAST_START = 3
+
+
+def suggestion(word: str, known: Iterable[str]) -> str:
+    """The end of a sentence that offers someone who mistyped a name what it may have been.
+
+    Args:
+        word: What was written.
+        known: The names that exist.
+
+    Returns:
+        ``" (did you mean 'a'?)"`` with up to two names, those that begin with the word where there are any; nothing where none is near.
+    """
+    names = list(known)
+    begun = [name for name in names if len(word) >= LEAST_START and name.startswith(word)]
+    near = begun[:2] or difflib.get_close_matches(word, names, n=2, cutoff=0.6)
+    return f" (did you mean {' or '.join(repr(name) for name in near)}?)" if near else ""
+
 
 def nearest(word: str, known: Iterable[str]) -> str:
     """The end of a sentence that helps someone who mistyped a name.
@@ -27,10 +46,7 @@ def nearest(word: str, known: Iterable[str]) -> str:
         ``" (did you mean 'a'?)"`` where something is near, else ``" (known: a, b, c)"``, or nothing if nothing is known.
     """
     names = list(known)
-    near = difflib.get_close_matches(word, names, n=2, cutoff=0.6)
-    if near:
-        return f" (did you mean {' or '.join(repr(name) for name in near)}?)"
-    return f" (known: {', '.join(names)})" if names else ""
+    return suggestion(word, names) or (f" (known: {', '.join(names)})" if names else "")
 
 
 @dataclass(frozen=True)

@@ -148,7 +148,9 @@ ARGUMENTS = {
     "unknown engine": (["--engine", "clarabell"], ["--engine", "'clarabell'", "did you mean 'clarabel'"]),
     "case of no sweep": (["--case", "1"], ["--case", "got 1"]),
     "negative case": (["--case", "-1"], ["--case", "-1"]),
-    "case that is a word": (["--case", "first"], ["--case"]),
+    "case that is a word": (["--case", "first"], ["problem.toml: --case must be a whole number from 0 to 0, got 'first'"]),
+    "case that is no whole number": (["--case", "1.5"], ["problem.toml: --case must be a whole number", "got '1.5'"]),
+    "case with too many digits": (["--case", "9" * 5000], ["--case must be a whole number"]),
     "unknown option": (["--sides", "3"], ["--sides"]),
     "option without a value": (["--set"], ["--set"]),
     "a second problem": (["other.toml"], ["other.toml"]),
@@ -236,6 +238,35 @@ def test_a_file_without_a_problem_is_refused(content, words, capsys, tmp_path):
 def test_what_is_no_problem_is_refused(name, words, capsys, tmp_path):
     (tmp_path / "folder.toml").mkdir()
     refused(capsys, ["solve", name], words, tmp_path)
+
+
+def test_a_folder_is_named_once(capsys, tmp_path):
+    (tmp_path / "folder.toml").mkdir()
+    for verb in (["solve"], ["run"]):
+        said = refused(capsys, [*verb, "folder.toml"], [], tmp_path)
+        assert said == "folder.toml: this is a folder, a problem file (.toml) is expected"
+
+
+@pytest.mark.parametrize("verb", ["solve", "run"])
+def test_a_name_that_is_nearly_one_is_helped(verb, capsys, tmp_path):
+    (tmp_path / "base.toml").write_text(GOOD)
+    refused(capsys, [verb, "base"], ["did you mean 'base.toml'?"], tmp_path)
+    refused(capsys, [verb, "contacts/flat"], ["did you mean 'contacts/flat_double_stance'"], tmp_path)
+
+
+def test_what_can_be_listed_is_said_once(capsys, tmp_path):
+    said = refused(capsys, ["list", "nonsense"], [], tmp_path)
+    assert said == "list: 'nonsense' cannot be listed, one of problems, models, postures, robots is expected"
+    refused(capsys, ["list", "robot"], ["did you mean 'robots'?"], tmp_path)
+
+
+def test_help_is_whole(capsys):
+    assert main(["--help"]) == 0
+    commands = capsys.readouterr().out.partition("Commands:")[2]
+    assert commands.count("\n") >= 9 and "..." not in commands
+    for verb in ("run", "figures", "report", "list"):
+        assert main([verb, "--help"]) == 0
+        assert "[[" not in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("arguments", [["lst"], ["list", "problem"], ["show"], ["solve"], ["--vers"]], ids=" ".join)

@@ -295,6 +295,7 @@ class TestCommand:
             "twice": (["--sides", "4,8,4"], ["--sides", "4 is given twice"]),
             "too many": (["--sides", "1000"], ["--sides", "512", "1000"]),
             "no heading": (["--headings", "0"], ["--headings", "1 to 360"]),
+            "half a heading": (["--headings", "1.5"], ["--headings: a whole number from 1 to 360 is expected, got '1.5'"]),
             "a folder as file": (["--json", "FOLDER"], ["--json", "folder"]),
             "a figure that is none": (["--figure", "out.txt"], ["--figure", ".pdf"]),
             "a table that is none": (["--table", "out.xls"], ["--table", ".csv"]),

@@ -7,7 +7,7 @@ from importlib import metadata
 import pytest
 
 from socp_statics.exceptions import InputError, StaticsError
-from socp_statics.registry import Registry
+from socp_statics.registry import Registry, nearest, suggestion
 
 
 def fractions_registry(group=None):
@@ -79,3 +79,12 @@ def test_plugins_join_by_entry_point_and_never_replace(monkeypatch):
 def test_the_models_are_listed_without_a_solver():
     code = "from socp_statics.cases.answers import ANSWERS; ANSWERS.describe(); import sys; sys.exit('cvxpy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_names_that_begin_with_the_word_are_offered_before_those_that_look_like_it():
+    known = ["contacts/flat_double_stance", "contacts/ladder", "contacts/idle_wall", "robots"]
+    assert suggestion("contacts/flat", known) == " (did you mean 'contacts/flat_double_stance'?)"
+    assert suggestion("contacts/laddr", known).startswith(" (did you mean 'contacts/ladder'")
+    assert suggestion("robot", known) == " (did you mean 'robots'?)"
+    assert suggestion("nonsense", known) == suggestion("r", known) == ""
+    assert nearest("nonsense", known) == f" (known: {', '.join(known)})"

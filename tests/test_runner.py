@@ -10,6 +10,7 @@ from importlib import metadata
 from pathlib import Path
 
 import pytest
+from slope_problem import write
 
 import socp_statics as ss
 from socp_statics.cli import main
@@ -19,37 +20,6 @@ from socp_statics.runner.manifest import HEADER
 from socp_statics.runner.plan import case_order
 from socp_statics.runner.progress import Progress
 from socp_statics.runner.work import Done, Line, Part
-
-PROBLEM = """\
-description = "a block on slopes"
-model = "{model}"
-
-[posture]
-generator = "contacts"
-mass = 10.0
-com = [0.05, 0.0, 0.2]
-
-[[posture.contacts]]
-name = "sole"
-type = "surface"
-position = [0, 0, 0]
-rpy = [0, 0.3490658503988659, 0]
-friction = 0.5
-size = [0.3, 0.2]
-
-[parameters]
-cone = "exact"
-
-[sweep]
-"posture.contacts.sole.friction" = {frictions}
-"parameters.cone" = ["exact", "inscribed"]
-{rest}
-"""
-
-
-def write(path, frictions=(0.3, 0.36, 0.37, 0.5), model="equilibrium", rest=""):
-    path.write_text(PROBLEM.format(frictions=list(frictions), model=model, rest=rest))
-    return path
 
 
 def on_disk(folder):
@@ -129,47 +99,21 @@ def test_the_report_has_counts_pictures_and_versions(done, capsys):
     assert before == ((place / "out/report.html").read_text(), (place / "out/summary.md").read_text())
 
 
-def test_only_what_is_missing_or_changed_is_computed(tmp_path):
-    path, out = write(tmp_path / "slopes.toml", [0.3, 0.5]), tmp_path / "out"
-    assert run([str(path)], out, workers=1).computed == 4
-    assert run([str(path)], out, workers=1).computed == 0
-    # a longer sweep: cases keep their numbers, but the first key changes slowest, so the old ones are the same questions
-    write(path, [0.3, 0.5, 0.7])
-    assert run([str(path)], out, workers=1).computed == 2
-    # a changed value: its cases are computed, the old records marked
-    write(path, [0.3, 0.6, 0.7])
-    summary = run([str(path)], out, workers=1)
-    assert (summary.computed, summary.kept) == (2, 4)
-    results = ss.load_results(out)
-    assert len(results) == 6 and results.stale_count == 2 and len(ss.load_results(out, stale=True)) == 8
-    assert [r["case"]["posture"]["contacts"][0]["friction"] for r in results] == [0.3, 0.3, 0.6, 0.6, 0.7, 0.7]
-    # only what is expected has changed, which records repeat
-    write(path, [0.3, 0.6, 0.7], rest='[expect]\n"case.generated.mass" = { value = 11.0 }')
-    summary = run([str(path)], out, workers=1)
-    assert (summary.computed, summary.unmet) == (6, 6)
-    write(path, [0.3])
-    assert run([str(path)], out, workers=1).computed == 2 and len(ss.load_results(out)) == 2
-    before = [record.line() for record in ss.load_results(out)]
-    assert run([str(path)], out, workers=1, rerun=True).computed == 2
-    assert [record.line() for record in ss.load_results(out)] == before
-    # another engine is another question
-    assert run([str(path)], out, workers=1, engine="clarabel").computed == 2
-    assert {record["engine"] for record in ss.load_results(out)} == {"clarabel"}
-
-
-def test_an_interrupted_change_is_not_taken_for_done(tmp_path, monkeypatch):
-    path, out = write(tmp_path / "slopes.toml", [0.3, 0.5]), tmp_path / "out"
-    run([str(path)], out, workers=1)
-    write(path, [0.4, 0.6])
-
-    def stop(*arguments):
-        raise KeyboardInterrupt
-
-    with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
-        patch.setattr(running, "dispatch", stop)
-        run([str(path)], out, workers=1)
-    assert run([str(path)], out, workers=1).computed == 4
-    assert [r["case"]["posture"]["contacts"][0]["friction"] for r in ss.load_results(out)] == [0.4, 0.4, 0.6, 0.6]
+def test_infinite_margins_are_counted_by_their_sign(tmp_path, capsys):
+    """A grip on both sides braces itself at will; without friction no force holds the weight."""
+    contact = '[[posture.contacts]]\nname = "{}"\ntype = "point"\nposition = [{}, 0, 0]\nnormal = [{}, 0, 0]\nfriction = {}\n'
+    head = 'model = "equilibrium"\n[posture]\ngenerator = "contacts"\nmass = 1.0\ncom = [0, 0, 0]\n'
+    for name, friction in (("grip", 0.5), ("slippery", 0.0)):
+        contacts = [contact.format(side, x, -x, friction) for side, x in (("left", 1), ("right", -1))]
+        (tmp_path / f"{name}.toml").write_text("".join([head, *contacts]))
+    (tmp_path / "block.toml").write_text((head + contact.format("foot", 0, 0, 0.5)).replace("normal = [0, 0, 0]", "normal = [0, 0, 1]"))
+    out = tmp_path / "out"
+    run([tmp_path / f"{name}.toml" for name in ("grip", "slippery", "block")], out, workers=1)
+    assert {r["problem"]: r["margin"] for r in ss.load_results(out) if r["problem"] != "block"} == {"grip": "inf", "slippery": "-inf"}
+    assert main(["report", str(out)]) == 0
+    said = capsys.readouterr().out
+    assert "1 margin of inf (braced at will) and 1 margin of -inf (no balance) left out of medians and percentiles" in said
+    assert "| margin over the weight | 1 |" in (out / "summary.md").read_text()
 
 
 def test_a_damaged_folder_is_put_right(tmp_path):
@@ -246,11 +190,16 @@ BAD = {
     "a pattern of files": (["{tmp}/none*.toml"], ["no file matches"]),
     "an empty folder": (["{tmp}/empty"], ["holds no problem file"]),
     "two files of one name": (["{tmp}/a/same.toml", "{tmp}/b/same.toml"], ["same name"]),
-    "a million cases": (["{tmp}/million.toml"], ["1000000", "more than 100000", "--yes"]),
+    "a million cases": (["{tmp}/million.toml"], ["its sweep alone makes 1000000 cases, more than 100000", "--yes"]),
+    "a million cases and one": (["{tmp}/million.toml", "contacts/ladder"], ["makes 1000000 of 1000001 cases, more than 100000"]),
     "no workers": (["contacts/ladder", "--workers", "0"], ["--workers must be a whole number", "'0'"]),
     "many workers": (["contacts/ladder", "--workers", "many"], ["--workers must be a whole number", "'many'"]),
     "workers of a cluster": (["contacts/ladder", "--workers", "2", "--scheduler", "tcp://127.0.0.1:1"], ["--workers cannot be chosen"]),
     "an address that is none": (["contacts/ladder", "--scheduler", "nonsense:x"], ["--scheduler nonsense:x", "Dask scheduler is expected"]),
+    "an address without a port": (["contacts/ladder", "--scheduler", "blah"], ["--scheduler blah", "of the form tcp://host:port"]),
+    "an address with no such port": (["contacts/ladder", "--scheduler", "tcp://a:99999"], ["tcp://a:99999", "of the form tcp://host:port"]),
+    "the start of names": (["contacts/flat"], ["did you mean 'contacts/flat_double_stance'"]),
+    "a file without its ending": (["million"], ["did you mean 'million.toml'?"]),
     "an unknown engine": (["contacts/ladder", "--engine", "kernle"], ["--engine", "did you mean 'kernel'?"]),
     "a key that is not known": (["contacts/ladder", "--set", "posture.mas=3"], ["contacts/ladder", "posture.mas", "did you mean 'mass'?"]),
     "a folder of other things": (["contacts/ladder", "--out", "{tmp}/a"], ["holds other things (same.toml)"]),
@@ -365,7 +314,7 @@ def test_chunks_grow_to_what_measured_times_say_and_memory_does_not(tmp_path):
     assert total == 30_000
     pool = Immediate(0.004)
     with opened(tmp_path / "out") as folder:
-        state = running._State(folder, {}, total, True)
+        state = running._State(folder, {}, {}, total, True)
         tracemalloc.start()
         chunks = dispatch.Chunks([(question, case_order(question.sweep), {})], total, pool.workers)
         dispatch.dispatch(chunks, pool, "auto", state.finished, lambda: None)

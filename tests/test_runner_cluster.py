@@ -2,6 +2,7 @@
 
 import os
 import signal
+import socket
 import sys
 import time
 
@@ -59,6 +60,22 @@ def test_a_case_that_kills_its_worker_is_recorded(cluster):
         assert pool.died(KilledWorker("task", None, 3)) and not pool.died(ValueError("x"))
     finally:
         pool.close()
+
+
+@pytest.mark.parametrize("answers", ["nobody", "somebody who says nothing"])
+def test_no_scheduler_at_an_address_is_said_in_one_sentence(answers, monkeypatch, capfd, tmp_path):
+    pytest.importorskip("distributed")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("socp_statics.runner.pool.ANSWERS_WITHIN", 0.5)
+    with socket.socket() as other:
+        other.bind(("127.0.0.1", 0))
+        if answers != "nobody":
+            other.listen()
+        address = f"tcp://127.0.0.1:{other.getsockname()[1]}"
+        assert main(["run", "contacts/ladder", "--scheduler", address]) == 2
+    (said,) = capfd.readouterr().err.strip().splitlines()
+    assert said.startswith(f"--scheduler {address}: a running Dask scheduler is expected at an address of the form tcp://host:port")
+    assert not (tmp_path / "runs").exists()
 
 
 def test_a_cluster_needs_its_extra(monkeypatch, capsys, tmp_path):

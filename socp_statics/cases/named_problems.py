@@ -7,7 +7,7 @@ from functools import cache
 from pathlib import Path
 
 from socp_statics.exceptions import InputError
-from socp_statics.registry import nearest
+from socp_statics.registry import suggestion
 
 
 @cache
@@ -44,10 +44,22 @@ def problem_path(name: str) -> Path:
         message = f"{name!r} is a folder, the name of a problem or a path that ends in .toml is expected"
     else:
         same_end = [known for known in names if family and known.rpartition("/")[2] == family]
-        hint = f" (did you mean {same_end[0]!r}?)" if same_end else nearest(name, names)
-        listed = hint if "did you mean" in hint else " (they are listed by socp-statics list problems)"
+        hint = file_beside(name) or (f" (did you mean {same_end[0]!r}?)" if same_end else suggestion(name, names))
+        listed = hint or " (they are listed by socp-statics list problems)"
         message = f"{name!r} is not a named problem{listed}; a path must end in .toml"
     raise InputError(message, name=name, field="PROBLEM")
+
+
+def file_beside(name: str) -> str:
+    """The end of a sentence that offers the file which someone named without its ending; nothing where there is none.
+
+    Args:
+        name: What was written.
+    """
+    try:
+        return f" (did you mean '{name}.toml'?)" if name and Path(f"{name}.toml").is_file() else ""
+    except (OSError, ValueError):
+        return ""
 
 
 def describe_problems() -> dict[str, str]:

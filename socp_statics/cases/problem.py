@@ -143,8 +143,8 @@ class Problem:
         if self.sweep:
             last = self.case_count - 1
             message = (
-                f"{self.label}: [sweep] makes {last + 1} cases, choose one with --case 0 to {last} (the last key changes fastest), "
-                "or run them all with socp-statics run"
+                f"{self.label}: [sweep] makes {last + 1} cases, choose one with --case 0 to {last} (in Python problem.case(0) to "
+                f"problem.case({last}); the last key changes fastest), or run them all with socp-statics run (socp_statics.run)"
             )
             raise InputError(message, name=self.label, field="--case")
 
@@ -179,6 +179,22 @@ def problem_from_tables(tables: Mapping[str, Any], name: str, *, label: str | No
     )
 
 
+def require_problem(problem: Any, argument: str = "problem") -> None:
+    """Refuse what is no problem, and say how one is made.
+
+    Args:
+        problem: What was given.
+        argument: What it was given for.
+
+    Raises:
+        InputError: It is not a `Problem`.
+    """
+    if not isinstance(problem, Problem):
+        text = isinstance(problem, str | Path)
+        made = f"load_problem({str(problem)!r}) makes one" if text else f"load_problem makes one, got {type(problem).__name__}"
+        raise InputError(f"{argument}: a Problem is expected, {made}", name=str(problem), field=argument)
+
+
 def load_problem(name_or_path: str | Path) -> Problem:
     """Read and validate a problem.
 
@@ -188,6 +204,9 @@ def load_problem(name_or_path: str | Path) -> Problem:
     Raises:
         InputError: There is no such problem, or the file is wrong; the sentence names the file and every key.
     """
+    if not isinstance(name_or_path, str | Path):
+        message = f"name_or_path: the name of a problem or a path that ends in .toml is expected, got {name_or_path!r}"
+        raise InputError(message, name=str(name_or_path), field="name_or_path")
     text = str(name_or_path)
     if isinstance(name_or_path, Path) or text.endswith(".toml"):
         path, name = Path(name_or_path), Path(name_or_path).stem

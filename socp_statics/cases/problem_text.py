@@ -23,9 +23,9 @@ def read_toml(path: Path, label: str) -> dict[str, Any]:
         InputError: It is missing, a folder, unreadable, binary, empty, or not TOML; then with line and column.
     """
     try:
-        if path.is_dir():
-            raise InputError(f"{label}: this is a folder, a problem file (.toml) is expected", name=label)
         content = path.read_bytes()
+    except IsADirectoryError as error:
+        raise InputError(f"{label}: this is a folder, a problem file (.toml) is expected", name=label) from error
     except FileNotFoundError as error:
         raise InputError(f"{label}: there is no such file, a problem file (.toml) is expected", name=label) from error
     except (OSError, ValueError) as error:

@@ -13,7 +13,7 @@ from socp_statics.cases.answers import ANSWERS
 from socp_statics.cases.answers.equilibrium import torque_keys
 from socp_statics.cases.expect import evaluate
 from socp_statics.cases.hashing import SCHEMA, case_hash, hash_of_plain, plain
-from socp_statics.cases.problem import Problem
+from socp_statics.cases.problem import Problem, require_problem
 from socp_statics.cases.record import Record
 from socp_statics.contacts import Stance
 from socp_statics.exceptions import InputError
@@ -40,9 +40,11 @@ def solve(problem: Problem, engine: str | Sequence[str] = "auto") -> Record:
         The record, with its expectations compared.
 
     Raises:
-        InputError: The problem is a sweep, the engine is unknown, or the stance makes no sense for the model.
+        InputError: It is no problem, or a sweep, the engine is unknown, or the stance makes no sense for the model.
         EngineError: The computation broke down.
     """
+    require_problem(problem)
+    problem.require_single()
     chosen = first_engine(engine)
     try:
         stance = problem.stance()

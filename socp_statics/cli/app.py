@@ -15,7 +15,7 @@ app = typer.Typer(
 )
 ProblemArgument = Annotated[str, typer.Argument(metavar="PROBLEM", help="A named problem, or a path that ends in .toml.")]
 SetOption = Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Set a key of the problem; repeatable.")]
-CaseOption = Annotated[int | None, typer.Option("--case", metavar="N", help="Which case of a [sweep], from 0.")]
+CaseOption = Annotated[str | None, typer.Option("--case", metavar="N", help="Which case of a [sweep], from 0.")]
 EngineOption = Annotated[str, typer.Option("--engine", metavar="NAME", help="auto (Clarabel first), kernel, clarabel or cvxpy.")]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -22,14 +23,14 @@ def check_expectations(problem: Problem, record: Record) -> None:
         raise StaticsError(f"{problem.label}: {'; '.join(failed)}", name=problem.label, field="expect")
 
 
-def chosen_case(problem: Problem, assignments: Iterable[str], case: int | None) -> Problem:
+def chosen_case(problem: Problem, assignments: Iterable[str], case: str | None) -> Problem:
     """The one case that ``--set`` and ``--case`` leave of a problem; :class:`InputError` if there are several."""
     problem = case_or_sweep(problem, assignments, case)
     problem.require_single()
     return problem
 
 
-def case_or_sweep(problem: Problem, assignments: Iterable[str], case: int | None) -> Problem:
+def case_or_sweep(problem: Problem, assignments: Iterable[str], case: str | None) -> Problem:
     """What ``--set`` and ``--case`` leave of a problem, one case or a sweep."""
     from socp_statics.cases.dotted import key_text, parse_assignment
 
@@ -42,7 +43,12 @@ def case_or_sweep(problem: Problem, assignments: Iterable[str], case: int | None
         values[key_text(parts)] = value
     if values:
         problem = problem.with_values(values)
-    return problem if case is None else problem.case(case)
+    if case is None:
+        return problem
+    if not re.fullmatch(r"\s*[+-]?\d{1,18}\s*", case, re.ASCII):
+        message = f"{problem.label}: --case must be a whole number from 0 to {problem.case_count - 1}, got {case!r}"
+        raise InputError(message, name=case, field="--case")
+    return problem.case(int(case))
 
 
 def check_engine(problem: Problem, engine: str) -> None:

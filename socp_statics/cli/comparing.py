@@ -20,28 +20,31 @@ if TYPE_CHECKING:
 FIGURE_ENDINGS = (".pdf", ".png", ".svg")
 TABLE_ENDINGS = (".csv", ".md")
 SidesOption = Annotated[str, typer.Option("--sides", metavar="LIST", help="Numbers of sides, with commas between them.")]
-HeadingsOption = Annotated[int, typer.Option("--headings", metavar="N", help="Headings of each pyramid; a sweep has the problem's alone.")]
+HeadingsOption = Annotated[str, typer.Option("--headings", metavar="N", help="Headings of each pyramid; a sweep has the problem's alone.")]
 
 
 @app.command()
 def compare(
     problem: ProblemArgument,
     sides: SidesOption = "3,4,6,8,16,32",
-    headings: HeadingsOption = 8,
+    headings: HeadingsOption = "8",
     values: SetOption = None,
     case: CaseOption = None,
     json_file: Annotated[str | None, typer.Option("--json", metavar="FILE", help="Write the comparison; - prints only it.")] = None,
     table_file: Annotated[str | None, typer.Option("--table", metavar="FILE", help="Write the table with times (.csv or .md).")] = None,
     figure_file: Annotated[str | None, typer.Option("--figure", metavar="FILE", help="Draw it (.pdf, .png or .svg).")] = None,
 ) -> None:
-    """Linearised against exact cones: one stance by its values, a sweep by its rates of false verdicts."""
+    """Linearised against exact cones.
+
+    One stance is compared by its values, a sweep by its rates of false verdicts.
+    """
     from socp_statics.cases.problem import load_problem
     from socp_statics.comparison import compare as compare_problem
     from socp_statics.comparison.pyramids import checked_headings, checked_sides
 
     loaded = case_or_sweep(load_problem(problem), values or [], case)
     try:
-        asked, turns = checked_sides(_numbers(sides), "--sides"), checked_headings(headings, "--headings")
+        asked, turns = checked_sides(_numbers(sides), "--sides"), checked_headings(_whole(headings), "--headings")
     except InputError as error:
         raise InputError(f"{loaded.label}: {error}", name=error.name, field=error.field) from error
     files = {"--json": None if json_file == "-" else json_file, "--table": table_file, "--figure": figure_file}
@@ -65,6 +68,11 @@ def _numbers(sides: str) -> list[int]:
             message = f"--sides: whole numbers from 3 on with commas between them are expected, as 3,4,8, got {part or sides!r}"
             raise InputError(message, name=sides, field="--sides")
     return [int(part) for part in parts]
+
+
+def _whole(headings: str) -> int | str:
+    """A number where it is one; what is none is refused by who knows which are expected."""
+    return int(headings) if re.fullmatch(r"-?\d{1,9}", headings, re.ASCII) else headings
 
 
 def _check_endings(files: Mapping[str, str | None]) -> None:

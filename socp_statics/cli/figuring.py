@@ -12,7 +12,7 @@ from socp_statics.cli.app import app
 
 @app.command()
 def figures(
-    names: Annotated[list[str] | None, typer.Argument(metavar="[NAME]...", help="Figures to make; all of them by default.")] = None,
+    names: Annotated[list[str] | None, typer.Argument(metavar="NAME", help="Figures to make; all of them by default.")] = None,
     out: Annotated[str | None, typer.Option("--out", metavar="DIR", help="Where to write; paper_figures/made by default.")] = None,
 ) -> None:
     """The report figures as PDF and PNG, with captions."""

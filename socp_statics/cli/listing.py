@@ -15,16 +15,15 @@ KINDS = ("problems", "models", "postures", "robots")
 
 @app.command("list")
 def list_names(
-    kind: Annotated[str, typer.Argument(metavar="[problems|models|postures|robots]", help="What to list; all of them by default.")] = "",
+    kind: Annotated[str, typer.Argument(metavar="problems|models|postures|robots", help="What to list; all of them by default.")] = "",
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON: kind, then name and line.")] = False,
 ) -> None:
     """Names with one line each."""
     if kind and kind not in KINDS:
-        from socp_statics.registry import nearest
+        from socp_statics.registry import suggestion
 
-        raise InputError(
-            f"list: {kind!r} cannot be listed, one of {', '.join(KINDS)} is expected{nearest(kind, KINDS)}", name=kind, field="list"
-        )
+        message = f"list: {kind!r} cannot be listed, one of {', '.join(KINDS)} is expected{suggestion(kind, KINDS)}"
+        raise InputError(message, name=kind, field="list")
     tables = {word: _described(word) for word in ([kind] if kind else KINDS)}
     if as_json:
         typer.echo(json.dumps(tables[kind] if kind else tables, indent=1))

@@ -52,7 +52,7 @@ def prove(
         typer.echo(line)
 
 
-def _record(name: str, values: list[str], case: int | None, engine: str, proof_file: str | None) -> Mapping[str, Any]:
+def _record(name: str, values: list[str], case: str | None, engine: str, proof_file: str | None) -> Mapping[str, Any]:
     """The record of a file, or that of a problem that is solved."""
     from socp_statics.cases.record import read_record
 

@@ -10,7 +10,7 @@ from socp_statics.cli.app import app
 
 
 @app.command()
-def report(folder: Annotated[str, typer.Argument(metavar="[DIR]", help="A folder that run has written.")] = "runs") -> None:
+def report(folder: Annotated[str, typer.Argument(metavar="DIR", help="A folder that run has written.")] = "runs") -> None:
     """One page and tables of a results folder."""
     from socp_statics.report import write_report
     from socp_statics.report.writing import PAGE, SUMMARY

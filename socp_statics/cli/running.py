@@ -14,7 +14,7 @@ from socp_statics.exceptions import StaticsError
 def run(
     selectors: Annotated[
         list[str] | None,
-        typer.Argument(metavar="[SELECTOR]...", help="Names, globs, families, folders, paths that end in .toml; all by default."),
+        typer.Argument(metavar="SELECTOR", help="Names, globs, families, folders, paths that end in .toml; all by default."),
     ] = None,
     values: SetOption = None,
     engine: Annotated[str, typer.Option("--engine", metavar="NAME", help="auto (the kernel first), kernel, clarabel or cvxpy.")] = "auto",
@@ -25,7 +25,10 @@ def run(
     rerun: Annotated[bool, typer.Option("--rerun", help="Compute again what is there.")] = False,
     yes: Annotated[bool, typer.Option("--yes", help="More than 100000 cases are meant.")] = False,
 ) -> None:
-    """Many answers: sweeps expanded, records kept in a folder, a later run goes on where one stopped."""
+    """Many answers, kept in a folder.
+
+    Sweeps are expanded; a later run goes on where one stopped.
+    """
     from socp_statics.cases.dotted import key_text, parse_assignment
     from socp_statics.runner import run as run_problems
 
@@ -40,7 +43,11 @@ def run(
     if not quiet:
         rate = f" in {done.seconds:.1f} s, {done.computed / done.seconds:.3g} a second" if done.computed and done.seconds else ""
         failed = f", {done.failed} failed" if done.failed else ""
-        typer.echo(f"{done.cases} cases: {done.computed} computed{rate}, {done.kept} were there{failed}; records in {out}")
+        cases = f"{done.cases} case{'s' if done.cases != 1 else ''}"
+        typer.echo(f"{cases}: {done.computed} computed{rate}, {done.kept} were there{failed}; records in {out}")
+        if done.stale:
+            plural, they = ("s", "they hold") if done.stale != 1 else ("", "it holds")
+            typer.echo(f"{done.stale} earlier record{plural} became stale; {they} again where the same is asked again")
     if done.failed:
         message = f"{done.first_failure}: failed{f', and {done.failed - 1} more' if done.failed > 1 else ''}"
         raise StaticsError(f"{message}; socp-statics report {out} says why", name=done.first_failure)

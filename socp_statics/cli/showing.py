@@ -14,7 +14,7 @@ def show(
     problem: ProblemArgument,
     toml: Annotated[bool, typer.Option("--toml", help="Print a problem file to copy and edit.")] = False,
 ) -> None:
-    """The expanded problem and the mathematical program that will be solved."""
+    """The expanded problem and its mathematical program."""
     from socp_statics.cases.problem import load_problem
     from socp_statics.cases.toml_text import problem_toml
 

@@ -20,7 +20,10 @@ def view(
     engine: EngineOption = "auto",
     html_file: Annotated[str | None, typer.Option("--html", metavar="FILE", help="Write the view as one HTML file and exit.")] = None,
 ) -> None:
-    """3-D view in the browser; drag the centre of mass and the answer follows."""
+    """3-D view in the browser.
+
+    Drag the centre of mass, and the answer follows.
+    """
     from socp_statics.cases.problem import load_problem
     from socp_statics.cases.solve import solve as answer
     from socp_statics.exceptions import EngineError

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from socp_statics.cases.problem import Problem
+from socp_statics.cases.problem import Problem, require_problem
 from socp_statics.cases.record import Record
 from socp_statics.cases.solve import versions
 from socp_statics.cases.writing import finished_or_absent
@@ -76,9 +76,10 @@ def compare(
         The comparison.
 
     Raises:
-        InputError: The model cannot be compared, sides or headings are wrong, or a case is.
+        InputError: It is no problem, the model cannot be compared, sides or headings are wrong, or a case is.
         EngineError: No engine settled an answer, or a pyramid came out on the wrong side of the cone.
     """
+    require_problem(problem)
     if problem.model not in MODELS:
         message = f"{problem.label}: model {problem.model!r} cannot be compared with pyramids, one of {', '.join(MODELS)} is expected"
         raise InputError(message, name=problem.label, field="model")

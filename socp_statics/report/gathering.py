@@ -65,7 +65,8 @@ class Gathered:
         failures: Case and reason.
         failed: How many failed; more than there are reasons listed.
         unmet: Case and expectation that does not hold.
-        infinite: How many margins are infinite.
+        braced: How many margins are inf: the robot can brace itself at will.
+        unheld: How many margins are -inf: no forces balance the load, whatever the cones.
         com_margins: Finite CoM margins [m].
         thumbnails: Regions, one a problem first.
         engines: How many records each engine answered.
@@ -83,7 +84,8 @@ class Gathered:
     failures: list[tuple[str, str]] = field(default_factory=list)
     failed: int = 0
     unmet: list[tuple[str, str]] = field(default_factory=list)
-    infinite: int = 0
+    braced: int = 0
+    unheld: int = 0
     com_margins: list[float] = field(default_factory=list)
     thumbnails: list[Thumbnail] = field(default_factory=list)
     engines: Counter[str] = field(default_factory=Counter)
@@ -150,7 +152,8 @@ def _count(found: Gathered, family: Family, record: Mapping[str, Any], row: Mapp
             found.unmet.append((label, f"{entry['key']} is {entry['value']!r}, expected {entry['expected']!r}"))
     margin, mass = row["margin"], row["mass"]
     if margin is not None and math.isinf(margin):
-        found.infinite += 1
+        found.braced += margin > 0.0
+        found.unheld += margin < 0.0
     elif margin is not None and mass:
         family.margins.append(margin / (mass * _gravity(record)))
     if row["com_margin"] is not None and math.isfinite(row["com_margin"]):

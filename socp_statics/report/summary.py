@@ -87,8 +87,10 @@ def opening(found: Gathered) -> str:
         words.append(f"{sum(family.unmet for family in found.problems.values())} not as expected")
     if found.stale:
         words.append(f"{found.stale} stale records not counted")
-    if found.infinite:
-        words.append(f"{found.infinite} infinite margins")
+    if found.braced or found.unheld:
+        ends = ((found.braced, "inf (braced at will)"), (found.unheld, "-inf (no balance)"))
+        counts = " and ".join(f"{count} margin{'s' if count != 1 else ''} of {end}" for count, end in ends if count)
+        words.append(f"{counts} left out of medians and percentiles")
     if found.handovers:
         words.append(f"{found.handovers} programs handed to another engine")
     return ", ".join(words) + "."

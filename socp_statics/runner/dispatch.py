@@ -17,6 +17,7 @@ FIRST_CASES, GROWTH, MOST_CASES = 4, 8, 2000
 # How often a case that is computed alone may take its process with it before the case is blamed.
 PATIENCE = 2
 LOOK = 0.2
+Known = dict[int, tuple[str, ...]]
 Finished = Callable[[Sequence[Part], Done], None]
 
 
@@ -44,12 +45,12 @@ class Chunks:
 
     Args:
         wanted: Problems, each with the numbers of its cases in the order in which they are computed, and the stamps of records that may
-            still hold.
+            hold.
         total: Number of cases altogether.
         workers: Number of processes.
     """
 
-    def __init__(self, wanted: Iterable[tuple[Question, Iterator[int], dict[int, str]]], total: int, workers: int):
+    def __init__(self, wanted: Iterable[tuple[Question, Iterator[int], Known]], total: int, workers: int):
         self._cases = chain.from_iterable(((q, number, known) for number in numbers) for q, numbers, known in wanted)
         self._next = next(self._cases, None)
         self._left, self._workers = total, workers
@@ -81,18 +82,18 @@ class Chunks:
             return None
         group = self._next[0].group
         size = self._size(group)
-        cases: list[tuple[Question, int, dict[int, str]]] = []
+        cases: list[tuple[Question, int, Known]] = []
         while self._next is not None and len(cases) < size and self._next[0].group == group:
             cases.append(self._next)
             self._next = next(self._cases, None)
         self._left -= len(cases)
-        by_problem: dict[str, tuple[Question, list[int], dict[int, str]]] = {}
+        by_problem: dict[str, tuple[Question, list[int], Known]] = {}
         for question, number, known in cases:
             by_problem.setdefault(question.name, (question, [], known))[1].append(number)
         return group, [_part(*entry) for entry in by_problem.values()]
 
 
-def _part(question: Question, numbers: list[int], known: dict[int, str]) -> Part:
+def _part(question: Question, numbers: list[int], known: Known) -> Part:
     mine = {number: known[number] for number in numbers if number in known}
     return Part(question.name, question.label, question.path, question.tables, question.sweep, numbers, mine)
 

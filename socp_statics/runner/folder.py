@@ -5,7 +5,7 @@ from __future__ import annotations
 import fcntl
 import os
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
@@ -66,12 +66,25 @@ class ResultsFolder:
     def current(self) -> dict[str, dict[int, Kept]]:
         """Of each problem, number -> the record that holds."""
         found: dict[str, dict[int, Kept]] = {}
-        for file, shard in sorted(self.manifest.shards.items(), key=lambda item: (item[1].problem, _serial(item[0]))):
-            stale, mine = self.manifest.stale.get(file, set()), found.setdefault(shard.problem, {})
-            for number, _, stamp, status, failure in shard.cases:
-                if number not in stale:
-                    mine[number] = Kept(file, stamp, status, failure)
+        for problem, number, kept, stale in self._records():
+            if not stale:
+                found.setdefault(problem, {})[number] = kept
         return found
+
+    def earlier(self) -> dict[str, dict[int, dict[str, Kept]]]:
+        """Of each problem, number -> stamp -> the latest record of that question that no longer holds."""
+        found: dict[str, dict[int, dict[str, Kept]]] = {}
+        for problem, number, kept, stale in self._records():
+            if stale:
+                found.setdefault(problem, {}).setdefault(number, {})[kept.stamp] = kept
+        return found
+
+    def _records(self) -> Iterator[tuple[str, int, Kept, bool]]:
+        """Problem, number, what is known of the record, whether it is stale; in the order in which they were written."""
+        for file, shard in sorted(self.manifest.shards.items(), key=lambda item: (item[1].problem, _serial(item[0]))):
+            stale = self.manifest.stale.get(file, set())
+            for number, _, stamp, status, failure in shard.cases:
+                yield shard.problem, number, Kept(file, stamp, status, failure), number in stale
 
     def write(self, problem: str, lines: list[Line], replaced: dict[int, Kept]) -> None:
         """Add finished cases of one problem.
@@ -86,12 +99,21 @@ class ResultsFolder:
         """
         shard = write_shard(self.path, self._free_name(problem), problem, lines)
         self.manifest.add(shard)
-        old: dict[str, list[int]] = {}
-        for line in lines:
-            if line.number in replaced:
-                old.setdefault(replaced[line.number].file, []).append(line.number)
-        for file, numbers in old.items():
+        for file, numbers in _by_file({line.number: replaced[line.number] for line in lines if line.number in replaced}).items():
             self.manifest.mark_stale(file, numbers)
+
+    def hold_again(self, again: Mapping[int, Kept], replaced: Mapping[int, Kept]) -> None:
+        """Let stale records hold again whose questions are asked again.
+
+        Args:
+            again: Number -> the record, all of one problem.
+            replaced: Number -> the record that held; of the same cases it becomes stale.
+
+        Raises:
+            StaticsError: The manifest could not be written.
+        """
+        for file, numbers in _by_file(again).items():
+            self.manifest.hold_again(file, numbers, _by_file({number: replaced[number] for number in numbers if number in replaced}))
 
     def _free_name(self, problem: str) -> str:
         """A name that no shard of the problem has, nor one that was set aside."""
@@ -124,7 +146,18 @@ class ResultsFolder:
             if not is_whole(self.path, shard):
                 self._set_aside(file, "is not what was written" if (self.path / FOLDER / file).exists() else "is gone")
         self._adopt()
+        self._keep_one_each()
         return self
+
+    def _keep_one_each(self) -> None:
+        """Of two records of a case that hold, make the earlier one stale: a process died before it could note that."""
+        latest: dict[tuple[str, int], str] = {}
+        for problem, number, kept, stale in list(self._records()):
+            if not stale:
+                before = latest.setdefault((problem, number), kept.file)
+                if before != kept.file:
+                    self.manifest.stale.setdefault(before, set()).add(number)
+                    latest[problem, number] = kept.file
 
     def _set_aside(self, file: str, why: str) -> None:
         new = set_aside(self.path, file)
@@ -166,6 +199,14 @@ def _shard_of(path: Path, file: str) -> Shard:
         raise ValueError(f"it holds records of {len(problems)} problems")
     content = path.read_bytes()
     return Shard(file, problems.pop(), len(content), zlib.crc32(content), cases)
+
+
+def _by_file(records: Mapping[int, Kept]) -> dict[str, list[int]]:
+    """Shard -> numbers of its cases."""
+    found: dict[str, list[int]] = {}
+    for number, kept in records.items():
+        found.setdefault(kept.file, []).append(number)
+    return found
 
 
 def _serial(file: str) -> int:

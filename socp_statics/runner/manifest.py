@@ -19,7 +19,7 @@ from socp_statics.runner.shards import Shard
 
 NAME = "manifest.jsonl"
 HEADER = {"results": "socp-statics run", "schema": SCHEMA}
-STALE = "stale"
+STALE, HOLDS = "stale", "holds"
 
 
 class Manifest:
@@ -74,6 +74,8 @@ class Manifest:
         elif "shard" in entry:
             cases = [(int(number), *map(str, rest)) for number, *rest in entry["cases"]]
             self.shards[entry["shard"]] = Shard(entry["shard"], entry["problem"], entry["bytes"], entry["crc32"], cases)  # type: ignore[arg-type]
+        elif HOLDS in entry:
+            self._take_back(entry[HOLDS], entry["cases"], entry["instead"])
         elif STALE in entry:
             self.stale.setdefault(entry[STALE], set()).update(entry["cases"])
         elif "aside" in entry:
@@ -142,6 +144,25 @@ class Manifest:
         if new:
             self.stale.setdefault(file, set()).update(new)
             self._append({STALE: file, "cases": new})
+
+    def hold_again(self, file: str, numbers: Sequence[int], instead: Mapping[str, Sequence[int]]) -> None:
+        """Note stale records that hold again, and at once those that held in their place: no case is without one, none has two.
+
+        Args:
+            file: The shard.
+            numbers: Of its cases.
+            instead: Shard -> numbers of its cases whose records no longer hold.
+
+        Raises:
+            StaticsError: The manifest could not be written.
+        """
+        self._take_back(file, numbers, instead)
+        self._append({HOLDS: file, "cases": list(numbers), "instead": {other: list(some) for other, some in instead.items()}})
+
+    def _take_back(self, file: str, numbers: Sequence[int], instead: Mapping[str, Sequence[int]]) -> None:
+        for other, some in instead.items():
+            self.stale.setdefault(other, set()).update(some)
+        self.stale.setdefault(file, set()).difference_update(numbers)
 
     def drop(self, file: str) -> None:
         """Forget a shard that was set aside."""

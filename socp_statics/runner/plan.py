@@ -152,9 +152,7 @@ def check_count(asked: Sequence[Question], most: int, agreed: bool) -> int:
     total = sum(question.cases for question in asked)
     if total > most and not agreed:
         largest = max(asked, key=lambda question: question.cases)
-        message = (
-            f"{largest.label}: its sweep alone makes {largest.count} of {total} cases, more than {most}; "
-            "--yes is expected where that is meant"
-        )
+        makes = f"{largest.cases} of {total} cases" if largest.cases < total else f"{total} cases"
+        message = f"{largest.label}: its sweep alone makes {makes}, more than {most}; --yes is expected where that is meant"
         raise InputError(message, name=largest.label, field="--yes")
     return total

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import asyncio
+import logging
 import multiprocessing
 import os
+import re
 import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
+from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import contextmanager
 from multiprocessing.connection import Connection
 from typing import Any
@@ -18,7 +21,9 @@ from socp_statics.runner.work import Done, Part, answer_chunk
 
 ONE_THREAD = {f"{library}_NUM_THREADS": "1" for library in ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "VECLIB_MAXIMUM")}
 WORK = "socp_statics.runner.work"
-ANSWERS_WITHIN = "10s"
+ANSWERS_WITHIN = 10
+# Host and port, a name or number of either version of the internet protocol; how it is spoken to may be left out.
+ADDRESS = re.compile(r"(?:[a-z]+://)?(?:\[[0-9A-Fa-f:.]+(?:%\w+)?\]|[^\s:/\[\]]+):(\d{1,5})/?|inproc://\S+")
 
 
 class LocalPool:
@@ -121,17 +126,29 @@ class ClusterPool:
     shared = True
 
     def __init__(self, address: str):
+        form = ADDRESS.fullmatch(str(address))
+        if form is None or not 0 < int(form[1] or 1) < 65536:
+            raise _no_scheduler(address, "this is no tcp://host:port")
         try:
-            from distributed import Client
+            from distributed import Client, Security, rpc
         except ImportError as error:
             message = "--scheduler needs the extra batch: pip install 'socp-statics[batch]'"
             raise InputError(message, name=address, field="--scheduler") from error
+
+        async def who() -> None:
+            async with rpc(address, connection_args=Security().get_connection_args("scheduler")) as other:
+                await other.identity()
+
         try:
-            self._client: Any = Client(address, timeout=ANSWERS_WITHIN, set_as_default=False)
+            with _silenced():
+                # A client waits for ever for one that lets it connect and says nothing; a notebook has a loop of its own in this thread.
+                with ThreadPoolExecutor(1) as aside:
+                    aside.submit(lambda: asyncio.run(asyncio.wait_for(who(), ANSWERS_WITHIN))).result()
+                self._client: Any = Client(address, timeout=ANSWERS_WITHIN, set_as_default=False)
+        except TimeoutError as error:
+            raise _no_scheduler(address, f"no scheduler answered within {ANSWERS_WITHIN} s") from error
         except (OSError, ValueError, TypeError, RuntimeError) as error:
-            reason = str(error).split("\n")[0] or type(error).__name__
-            message = f"--scheduler {address}: a running Dask scheduler is expected, such as tcp://127.0.0.1:8786 ({reason})"
-            raise InputError(message, name=address, field="--scheduler") from error
+            raise _no_scheduler(address, str(error).split("\n")[0].strip().rstrip(".") or type(error).__name__) from error
         self.workers = sum(self._client.nthreads().values())
         if not self.workers:
             self.close()
@@ -156,6 +173,22 @@ class ClusterPool:
     def close(self) -> None:
         """Leave the cluster as it was."""
         self._client.close()
+
+
+def _no_scheduler(address: str, reason: str) -> InputError:
+    message = f"--scheduler {address}: a running Dask scheduler is expected at an address of the form tcp://host:port ({reason})"
+    return InputError(message, name=str(address), field="--scheduler")
+
+
+@contextmanager
+def _silenced() -> Iterator[None]:
+    """Dask logs the traceback of an attempt to connect that failed; the error says it once more, in a sentence."""
+    log = logging.getLogger("distributed")
+    before, log.disabled = log.disabled, True
+    try:
+        yield
+    finally:
+        log.disabled = before
 
 
 def checked_workers(workers: Any) -> int:

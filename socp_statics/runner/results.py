@@ -221,5 +221,8 @@ def load_results(folder: str | Path, *, stale: bool = False) -> Results:
     Raises:
         InputError: It is no such folder.
     """
+    if not isinstance(folder, str | Path):
+        message = f"folder: the path of a folder that socp-statics run has written is expected, got {folder!r}"
+        raise InputError(message, name=str(folder), field="folder")
     return Results(folder, stale)
 

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from socp_statics.cases.solve import first_engine, versions
 from socp_statics.exceptions import InputError
-from socp_statics.runner.dispatch import Chunks, dispatch
+from socp_statics.runner.dispatch import Chunks, Known, dispatch
 from socp_statics.runner.folder import Kept, ResultsFolder, opened
 from socp_statics.runner.plan import Question, case_order, check_count, questions
 from socp_statics.runner.pool import ClusterPool, LocalPool, checked_workers
@@ -27,8 +27,9 @@ class Summary(NamedTuple):
 
     Attributes:
         cases: Number of cases asked for.
-        kept: Of them, records that were there already.
+        kept: Of them, records that were there already; stale ones hold again where their question is asked again.
         computed: Of them, computed now.
+        stale: Of the records that held before, those that no longer do: other questions were asked, or the same ones computed anew.
         failed: Of all, those whose record says "failed".
         unmet: Of all, those that do not hold what their file expects.
         seconds: Time on the clock, from the first chunk to the last record [s].
@@ -40,6 +41,7 @@ class Summary(NamedTuple):
     cases: int
     kept: int
     computed: int
+    stale: int
     failed: int
     unmet: int
     seconds: float
@@ -49,7 +51,7 @@ class Summary(NamedTuple):
 
 
 def run(
-    selectors: Iterable[str] = (),
+    selectors: str | Path | Iterable[str | Path] = (),
     out: str | Path = "runs",
     *,
     values: Mapping[str, Any] | None = None,
@@ -65,7 +67,7 @@ def run(
     A program that calls this is imported by every process: what it does itself belongs under ``if __name__ == "__main__":``.
 
     Args:
-        selectors: Names, globs of names, families, folders, paths that end in .toml; none: all named problems.
+        selectors: Names, globs of names, families, folders, paths that end in .toml, one or several; none: all named problems.
         out: The folder.
         values: Dotted key -> value, set in every problem.
         engine: "auto" or a registered engine.
@@ -83,6 +85,8 @@ def run(
         StaticsError: The folder could not be written; what was finished is kept.
         KeyboardInterrupt: It was interrupted; what was finished is kept.
     """
+    if not isinstance(out, str | Path):
+        raise InputError(f"out: the path of a folder is expected, got {out!r}", name=str(out), field="out")
     first = _checked_engine(engine)
     count = checked_workers(workers)
     if scheduler is not None and workers is not None:
@@ -102,8 +106,9 @@ def _run(
     quiet: bool,
 ) -> Summary:  # fmt: skip
     with opened(out) as folder:
-        current = folder.current()
-        plan = _plan(asked, folder, current, rerun)
+        current, earlier = folder.current(), folder.earlier()
+        held = {(name, number, kept.file) for name, there in current.items() for number, kept in there.items()}
+        plan = _plan(asked, folder, current, earlier, rerun)
         missing = sum(work for _, work, _ in plan)
         about = {"engine": engine, "versions": versions(robot=True)}
         for question in asked:
@@ -111,10 +116,10 @@ def _run(
             for number in gone:
                 folder.manifest.stale.setdefault(current[question.name].pop(number).file, set()).add(number)
         # A digest stands for records that were all compared with it; until then those of a changed problem are looked at again.
-        changed = {q.name for q, _, known in plan if any(current[q.name][n].failure != TRY_AGAIN for n in known)}
+        changed = {q.name for q in asked if not _same(q, folder) and any(k.failure != TRY_AGAIN for k in current.get(q.name, {}).values())}
         folder.manifest.plan({q.name: {"cases": q.cases, "digest": None if q.name in changed else q.digest} for q in asked}, about)
         folder.manifest.write()
-        state = _State(folder, current, missing, quiet)
+        state = _State(folder, current, earlier, missing, quiet)
         if not quiet:
             for note in folder.notes:
                 print(note, file=sys.stderr, flush=True)
@@ -126,8 +131,9 @@ def _run(
         bad = [(q, n, k.failure) for q in asked for n, k in sorted(holding.get(q.name, {}).items()) if k.failure]
         failures = [entry for entry in bad if entry[2] != UNMET]
         first_bad = next((f"{q.label} case {n}" if q.sweep else q.label for q, n, _ in failures or bad), "")
+        stale = held - {(name, number, kept.file) for name, there in holding.items() for number, kept in there.items()}
         return Summary(
-            total, total - state.computed, state.computed, len(failures), len(bad) - len(failures),
+            total, total - state.computed, state.computed, len(stale), len(failures), len(bad) - len(failures),
             state.progress.elapsed if missing else 0.0, state.processor, tuple(folder.notes), first_bad,
         )  # fmt: skip
 
@@ -139,34 +145,39 @@ def _checked_engine(engine: str) -> str:
         raise InputError(f"--engine: {error}", name=engine, field="--engine") from error
 
 
-Work = tuple[Question, int, dict[int, str]]
+Work = tuple[Question, int, Known]
+Current = Mapping[str, Mapping[int, Kept]]
+Earlier = Mapping[str, Mapping[int, Mapping[str, Kept]]]
 
 
-def _plan(asked: Sequence[Question], folder: ResultsFolder, current: Mapping[str, Mapping[int, Kept]], rerun: bool) -> list[Work]:
-    """Of each problem how many of its cases have to be looked at, and the stamps of records that may still hold.
+def _same(question: Question, folder: ResultsFolder) -> bool:
+    """Whether all records of a problem that hold are known to answer this question."""
+    return bool(folder.manifest.plans.get(question.name, {}).get("digest") == question.digest)
+
+
+def _plan(asked: Sequence[Question], folder: ResultsFolder, current: Current, earlier: Earlier, rerun: bool) -> list[Work]:
+    """Of each problem how many of its cases have to be looked at, and the stamps of records that may hold, still or again.
 
     A problem whose digest is the one its records were made with has only its missing cases looked at. Records that failed because of their
     input are tried again: an extra may have been installed since.
     """
-    plan = []
+    plan: list[Work] = []
     for question in asked:
-        there = current.get(question.name, {})
-        same = folder.manifest.plans.get(question.name, {}).get("digest") == question.digest
-        inside = {number: kept for number, kept in there.items() if number < question.cases}
+        inside = {number: kept for number, kept in current.get(question.name, {}).items() if number < question.cases}
         if rerun:
-            known: dict[int, str] = {}
-            left = question.cases
-        elif same:
-            known = {number: kept.stamp for number, kept in inside.items() if kept.failure == TRY_AGAIN}
-            left = question.cases - len(inside) + len(known)
-        else:
-            known = {number: kept.stamp for number, kept in inside.items()}
-            left = question.cases
-        plan.append((question, left, known))
+            plan.append((question, question.cases, {}))
+            continue
+        settled = {n for n, kept in inside.items() if kept.failure != TRY_AGAIN} if _same(question, folder) else set()
+        known: Known = {number: (kept.stamp,) for number, kept in inside.items() if number not in settled}
+        for number, stamps in earlier.get(question.name, {}).items():
+            good = [stamp for stamp, kept in stamps.items() if kept.failure in ("", UNMET)]
+            if good and number < question.cases and number not in settled:
+                known[number] = (*known.get(number, ()), *good)
+        plan.append((question, question.cases - len(settled), known))
     return plan
 
 
-def _missing(plan: Sequence[Work], current: Mapping[str, Mapping[int, Kept]]) -> Iterator[tuple[Question, Iterator[int], dict[int, str]]]:
+def _missing(plan: Sequence[Work], current: Current) -> Iterator[tuple[Question, Iterator[int], Known]]:
     for question, left, known in plan:
         there = current.get(question.name, {})
         every = left == question.cases
@@ -176,8 +187,8 @@ def _missing(plan: Sequence[Work], current: Mapping[str, Mapping[int, Kept]]) ->
 class _State:
     """What is counted while chunks come in."""
 
-    def __init__(self, folder: ResultsFolder, current: dict[str, dict[int, Kept]], total: int, quiet: bool):
-        self.folder, self.current = folder, current
+    def __init__(self, folder: ResultsFolder, current: dict[str, dict[int, Kept]], earlier: Earlier, total: int, quiet: bool):
+        self.folder, self.current, self.earlier = folder, current, earlier
         self.progress = Progress(total, quiet)
         self.computed, self.processor = 0, 0.0
 
@@ -185,9 +196,12 @@ class _State:
         """Write what a chunk brought."""
         self.processor += done.processor
         for part, lines in zip(parts, done.lines, strict=True):
-            new = [line for line in lines if line.text]
+            new, there = [line for line in lines if line.text], self.current.get(part.name, {})
             if new:
-                self.folder.write(part.name, new, self.current.get(part.name, {}))
+                self.folder.write(part.name, new, there)
+            others = [line for line in lines if not line.text and (line.number not in there or there[line.number].stamp != line.stamp)]
+            if others:
+                self.folder.hold_again({line.number: self.earlier[part.name][line.number][line.stamp] for line in others}, there)
             self.computed += len(new)
             self.progress.advance(len(lines), sum(line.status == "failed" for line in new))
 

@@ -8,10 +8,10 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from socp_statics.cases.named_problems import problem_names, problems_folder
+from socp_statics.cases.named_problems import file_beside, problem_names, problems_folder
 from socp_statics.cases.problem_text import read_toml
 from socp_statics.exceptions import InputError
-from socp_statics.registry import nearest
+from socp_statics.registry import suggestion
 
 WILD = "*?["
 
@@ -34,18 +34,19 @@ class Source(NamedTuple):
     chosen: bool
 
 
-def select(selectors: Iterable[str]) -> list[Source]:
+def select(selectors: str | Path | Iterable[str | Path]) -> list[Source]:
     """The problems of some selectors, each once, in the order they are named.
 
     Args:
-        selectors: Names, globs of names, families, folders, paths (and globs of paths) that end in .toml; none: all named problems.
+        selectors: Names, globs of names, families, folders, paths (and globs of paths) that end in .toml, one of them or several; none:
+            all named problems.
 
     Raises:
-        InputError: A selector matches nothing, a file is not TOML, or two files would have one name in the records.
+        InputError: They are no selectors, one matches nothing, a file is not TOML, or two files would have one name in the records.
     """
     known = problem_names()
     found: dict[Path, tuple[str, str, bool]] = {}
-    for selector in list(selectors) or ["*"]:
+    for selector in _listed(selectors) or ["*"]:
         for name, label, path, chosen in _matches(selector, known):
             before = found.get(path)
             found[path] = (name, label, chosen or (before is not None and before[2]))
@@ -56,6 +57,18 @@ def select(selectors: Iterable[str]) -> list[Source]:
             message = f"{path}: its records would have the same name as those of {other}, files of different names are expected"
             raise InputError(message, name=name, field="SELECTOR")
     return [Source(name, label, path, read_toml(path, label), chosen) for path, (name, label, chosen) in found.items()]
+
+
+def _listed(selectors: str | Path | Iterable[str | Path]) -> list[str]:
+    """The selectors as text; one alone is no list of its letters."""
+    if isinstance(selectors, str | Path):
+        return [str(selectors)]
+    listed = list(selectors) if isinstance(selectors, Iterable) else [selectors]
+    for selector in listed:
+        if not isinstance(selector, str | Path):
+            message = f"selectors: a name, glob, family, folder or path that ends in .toml, or several, is expected, got {selector!r}"
+            raise InputError(message, name=str(selector), field="selectors")
+    return [str(selector) for selector in listed]
 
 
 def _matches(selector: str, known: list[str]) -> Iterator[tuple[str, str, Path, bool]]:
@@ -88,7 +101,7 @@ def _nothing(selector: str, known: list[str]) -> str:
     end = words.rpartition("/")[2]
     same_end = [name for name in known if end and name.rpartition("/")[2] == end]
     plain = words.translate(str.maketrans("", "", "*?[]")).strip("/")
-    near = nearest(plain, [*families, *known])
-    hint = f" (did you mean {same_end[0]!r}?)" if same_end else near if "did you mean" in near else f" (families: {', '.join(families)})"
+    near = file_beside(selector) or (f" (did you mean {same_end[0]!r}?)" if same_end else suggestion(plain, [*families, *known]))
+    hint = near or f" (families: {', '.join(families)})"
     what = "matches no named problem" if any(c in selector for c in WILD) else "is no named problem, family or folder"
     return f"{selector!r} {what}{hint}; a path must end in .toml"

@@ -28,7 +28,7 @@ class Line(NamedTuple):
         status: Of the record.
         failure: "", or what kind of failure it is: see `failure_of`.
         seconds: Time on the clock [s].
-        text: The record as one line of JSON, without the line's end; empty where an earlier record still holds.
+        text: The record as one line of JSON, without the line's end; empty where a record that is there holds.
     """
 
     number: int

@@ -11,7 +11,7 @@ from socp_statics.runner.results import load_results
 from socp_statics.runner.selection import select
 
 
-def stale_problems(folder: str | Path, selectors: Iterable[str] = (), engine: str = "auto") -> dict[str, str]:
+def stale_problems(folder: str | Path, selectors: str | Path | Iterable[str | Path] = (), engine: str = "auto") -> dict[str, str]:
     """Problems whose records are missing, changed or failed.
 
     Args:
