@@ -53,7 +53,7 @@ class MotionCertificate:
     @cached_property
     def contacts(self) -> dict[str, str]:
         """What each contact does: "holds", "slides" or "opens"."""
-        return contact_states(self._data, self._at_contacts)
+        return contact_states(self._data, self._motion, self._at_contacts)
 
     def as_record(self) -> dict[str, Any]:
         """The record's entry."""
