@@ -245,6 +245,14 @@ def test_forces_certify_a_stable_stance():
     assert answer.certificate.as_record() == {"kind": "forces"}
 
 
+def test_printed_certificates_say_what_they_certify():
+    forces = repr(check_equilibrium(feet((0.0, 0.0, 0.8))).certificate)
+    assert "forces that balance the load to" in forces and "keep every cone, bound and limit" in forces
+    assert "are within 1.0e-09 of it of every cone" in repr(ForcesCertificate(1e-12, 1e-9))
+    certificate = check_equilibrium(feet((0.3, 0.0, 0.8))).certificate
+    assert certificate.reading in repr(certificate) and f"{certificate.power:.4g} W" in repr(certificate)
+
+
 def test_power_of_a_tipping_robot_is_the_weight_times_its_fall():
     answer = check_equilibrium(stance_of([foot()], (0.31, 0.0, 0.5)))
     c = answer.certificate
