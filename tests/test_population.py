@@ -147,7 +147,8 @@ def test_the_sentence_says_how_many_sides_bring_areas_near(median, most, said):
     kinds = ("inscribed", "circumscribed")
     row = {"where": {}, "median": 0.0, "worst": 0.1, "low": 0.0, "high": 0.1}
     areas = [{"kind": kind, "sides": sides} | row for kind in kinds for sides in (4, 8)]
-    tables = {"stances": 9, "rates": [], "areas": areas, "sides_for_one_percent": {kind: {"median": median, "most": most} for kind in kinds}}
+    few = {kind: {"median": median, "most": most} for kind in kinds}
+    tables = {"stances": 9, "rates": [], "areas": areas, "sides_for_one_percent": few}
     assert population_sentence(tables, (4, 8)).endswith(said)
 
 
