@@ -107,6 +107,15 @@ def test_a_region_without_end_has_no_edge_in_sight_and_says_so(chimney):
     assert "margin" not in marked and "area" not in marked and marked["minimax"] == "D"
 
 
+def test_a_line_without_end_is_drawn_out_of_sight():
+    family, errors = comparison_figure(compare(ss.load_problem("degenerate/bar_line"), (4,), 1, with_times=False)).axes
+    lines = [line.get_xydata() for line in family.get_children() if isinstance(line, Line2D) and len(line.get_xdata()) > 1]
+    assert len(lines) == 3
+    low, high = family.get_ylim()
+    assert all(xy[:, 1].min() < low and xy[:, 1].max() > high for xy in lines)
+    assert [text.get_text() for text in errors.texts] == ["no error"]
+
+
 def test_errors_that_come_down_to_nothing_end_in_a_triangle(stance):
     errors = comparison_figure(stance).axes[1]
     assert "down to 0 at some heading" in errors.get_legend_handles_labels()[1]

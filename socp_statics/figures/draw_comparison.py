@@ -44,9 +44,10 @@ def draw_region_family(comparison: Mapping[str, Any], ax: Axes) -> Axes:
     regions = comparison["regions"]
     exact, rays = (np.array(regions.get(key, []), dtype=float).reshape(-1, 2) for key in ("exact", "rays"))
     shown = [exact]
-    if len(exact) > 2:
+    if len(exact) > 1:
         whole = _with_rays(exact, rays)
-        add_filled(ax, whole, facecolor=SKY, alpha=0.45, edgecolor="none", zorder=1.0)
+        if len(whole) > 2:
+            add_filled(ax, whole, facecolor=SKY, alpha=0.45, edgecolor="none", zorder=1.0)
         add_line(ax, whole, closed=True, label=f"exact{_no_end(rays)}", **REGION_LINES["exact"])
     for kind in ("inscribed", "circumscribed"):
         mine = regions.get(kind, [])
@@ -54,7 +55,7 @@ def draw_region_family(comparison: Mapping[str, Any], ax: Axes) -> Axes:
         label: str | None = f"{kind}, {regions.get('sides')} sides{ends}"
         for one in mine:
             corners = np.array(one["corners"], dtype=float).reshape(-1, 2)
-            if len(corners) > 2:
+            if len(corners) > 1:
                 whole = _with_rays(corners, np.array(one.get("rays", []), dtype=float).reshape(-1, 2))
                 add_line(ax, whole, closed=True, label=label, color=REGION_LINES[kind]["color"], linewidth=0.6, zorder=3.5)
                 shown.append(corners)
@@ -91,6 +92,9 @@ def _with_rays(corners: Array, rays: Array) -> Array:
         return corners
     far = 100.0 * float(np.ptp(corners, axis=0).max())
     points = np.vstack([corners, (corners[:, None] + far * rays[None]).reshape(-1, 2)])
+    if len(corners) == 2:
+        along = points @ (corners[1] - corners[0])
+        return points[[int(np.argmin(along)), int(np.argmax(along))]]
     hull: Array = points[ConvexHull(points).vertices]
     return hull
 
@@ -143,7 +147,8 @@ def draw_errors(comparison: Mapping[str, Any], ax: Axes) -> Axes:
         ax.plot([], [], color=GREY, linewidth=0.9, linestyle=KINDS["inscribed"], marker="o", markersize=2.8, **hollow,
                 label="inscribed: safe")  # fmt: skip
     else:
-        ax.text(0.5, 0.5, "no finite error", ha="center", va="center", transform=ax.transAxes)
+        none = all(words.endswith(": no error") for words in blank)
+        ax.text(0.5, 0.5, "no error" if none else "no finite error", ha="center", va="center", transform=ax.transAxes)
         ax.set_yticks([])
     for words in blank:
         ax.add_artist(Line2D([], [], linestyle="none", label=words))
