@@ -37,7 +37,8 @@ def draw(records: Mapping[str, Any]) -> Figure:
     units = {"slope": "slope [rad]"}
     for ax in below:
         ax.set_xlabel(units.get(ax.get_xlabel(), ax.get_xlabel()))
-    above[0].legend(loc="lower left")
+    # above the place of what has none on the logarithmic axis
+    above[0].legend(loc="lower left", bbox_to_anchor=(0.0, 0.17))
     title_panels([*above, *below], ["false verdicts", "region", *(f"by {name}" for name in names)])
     return figure
 

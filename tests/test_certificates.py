@@ -66,6 +66,15 @@ def two_points(p=(0.3, 0, 0), q=(-0.3, 0, 0)):
 RAIL = Handle("rail", [0, 0, 1], normal=UP, transmits=["fx", "fy", "fz", "mx", "my", "mz"], limits={"fz": (-100, 100)})
 BAR = Handle("bar", [0, 0, 1], normal=UP, transmits=["fx", "fy", "fz", "mx", "my"])
 
+WALL_FOOT = PointContact("wall_foot", [0, 0, 0], normal=(1, 0, 0), friction=0.2)
+TOE_ON_ICE = FrictionlessPointContact("toe", [0, 0, 0], normal=(1, 0, 0))
+
+
+def hooks(transmits):
+    """Two hands on a wall, the normal of their frames towards the robot."""
+    return [Handle(f"{side}_hand", [0, y, 1.8], normal=(1, 0, 0), transmits=transmits) for side, y in (("left", 0.3), ("right", -0.3))]
+
+
 # Stance, the words for each contact (None: whatever), and words that the sentence must and must not have.
 READINGS = {
     "right edge": (feet((0.0, -0.3, 0.8)), {"left": "opens", "right": "holds"}, ["tips about the right edge of right"], ["slides"]),
@@ -110,6 +119,14 @@ READINGS = {
     "wall plate": (stance_of([SurfaceContact("plate", [1, 0, 1], normal=(-1, 0, 0), friction=0.8, size=[0.1, 0.2])], (0.9, 0, 1.0), 1.0,
                    external_wrenches=(ExternalWrench(force=(200, 0, 0), point=(0.9, 0, 1.3)),)), {"plate": "holds"},
                    ["tips about the upper edge of plate"], ["slides"]),
+    "hooks that let go downwards": (stance_of([*hooks(("fx", "fz")), WALL_FOOT], (0.3, 0, 1.0)),
+                                    {"left_hand": "slides", "right_hand": "slides", "wall_foot": "slides"},
+                                    ["slides freely along -z at left_hand and right_hand", "slides along -z at wall_foot"],
+                                    ["tips", "turns", "line through", "falls between"]),
+    "hooks that hold": (stance_of([*hooks(("fx", "fy", "fz")), TOE_ON_ICE], (0.3, 0, 1.0), 10.0,
+                                  external_wrenches=(ExternalWrench(force=(200, 0, 0), point=(0.3, 0, 1.0)),)),
+                        {"left_hand": "holds", "right_hand": "holds", "toe": "opens"},
+                        ["tips about the line through left_hand and right_hand", "toe opens"], ["slides"]),
     "prop opens": (stance_of([foot(), FrictionlessPointContact("prop", [0.5, 0, 0.5], normal=(-1, 0, 0))], (-0.3, 0, 0.8)),
                    {"foot": "holds", "prop": "opens"}, ["tips about the back edge of foot", "prop opens"], []),
 }  # fmt: skip
@@ -184,6 +201,28 @@ def test_no_admissible_force_prevents_the_motion(case):
     assert min(admissible_power(stance, certificate, rng) for _ in range(300)) >= certificate.power * (1 - 1e-6) - 1e-6
 
 
+def test_what_holds_does_not_move_whatever_the_handles_transmit():
+    """A sentence names an axis through contacts that hold, so their points must be at rest."""
+    seen = {"holds": 0, "slides": 0}
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        some = [tuple(w for w in ("fx", "fy", "fz") if rng.random() < 0.7) or ("fz",) for _ in range(2)]
+        hands = [Handle(f"hand{k}", rng.uniform(-1, 1, 3), normal=rng.normal(size=3), transmits=some[k]) for k in range(2)]
+        toe = PointContact("toe", [0, 0, 0], normal=rng.normal(size=3), friction=0.5)
+        stance = stance_of([*hands, toe], rng.uniform(-0.5, 0.5, 3))
+        answer = check_equilibrium(stance)
+        if answer.verdict != "unstable":
+            continue
+        certificate = answer.certificate
+        at = np.array([*(c.position for c in stance.contacts), stance.com])
+        speed = np.linalg.norm(certificate.linear + np.cross(certificate.angular, at - certificate.point), axis=1)
+        for k, (name, word) in enumerate(certificate.contacts.items()):
+            assert (speed[k] <= 2e-3 * speed.max()) == (word == "holds"), (seed, name)
+            if name != "toe":
+                seen[word] += 1
+    assert min(seen.values()) >= 5
+
+
 def test_a_certificate_is_scaled_and_can_be_recorded():
     stance = READINGS["front edges"][0]
     data = assemble(stance)
@@ -204,6 +243,14 @@ def test_forces_certify_a_stable_stance():
     answer = check_equilibrium(feet((0, 0, 0.8)))
     assert answer.certificate == ForcesCertificate()
     assert answer.certificate.as_record() == {"kind": "forces"}
+
+
+def test_printed_certificates_say_what_they_certify():
+    forces = repr(check_equilibrium(feet((0.0, 0.0, 0.8))).certificate)
+    assert "forces that balance the load to" in forces and "keep every cone, bound and limit" in forces
+    assert "are within 1.0e-09 of it of every cone" in repr(ForcesCertificate(1e-12, 1e-9))
+    certificate = check_equilibrium(feet((0.3, 0.0, 0.8))).certificate
+    assert certificate.reading in repr(certificate) and f"{certificate.power:.4g} W" in repr(certificate)
 
 
 def test_power_of_a_tipping_robot_is_the_weight_times_its_fall():

@@ -8,6 +8,7 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.image import imread
+from matplotlib.text import Text
 
 from socp_statics import engines, figures
 from socp_statics.cases.record import Record
@@ -189,6 +190,36 @@ def test_an_unstable_answer_says_and_shows_the_motion(answers):
     assert words[1].startswith("unstable; margin \N{MINUS SIGN}26.75 N")
     assert record["certificate"]["reading"] in " ".join(words)
     assert {"certified motion", "axis of rotation", "moves up"} <= set(words)
+
+
+def climber():
+    """Hands on hooks that let go downwards, feet on the wall below them: it falls along the wall and turns about an axis far from it."""
+    hands = [Handle(f"{side}_hand", [0, y, 1.8], normal=[1, 0, 0], transmits=["fx", "fz"]) for side, y in (("left", 0.3), ("right", -0.3))]
+    toes = [point(f"{side}_foot", [0, y, 0], [1, 0, 0], 0.8) for side, y in (("left", 0.2), ("right", -0.2))]
+    return Stance([*hands, *toes], [0.3, 0, 1.0], 70.0)
+
+
+def test_an_axis_out_of_sight_is_not_in_the_legend():
+    figure = answer_figure(record_of(climber(), model="equilibrium"))
+    words = words_of(figure)
+    assert "certified motion" in words and "axis of rotation" not in words
+    assert "slides freely along -z at left_hand and right_hand" in " ".join(words)
+
+
+def test_no_line_to_a_name_runs_through_another_name():
+    figure = answer_figure(record_of(climber(), model="equilibrium"))
+    figure.canvas.draw()
+    renderer = figure.canvas.get_renderer()
+    for ax in figure.axes:
+        boxes = [Text.get_window_extent(note, renderer) for note in ax.texts]
+        assert len(boxes) == 4 and not any(a.overlaps(b) for k, a in enumerate(boxes) for b in boxes[:k])
+        for note in ax.texts:
+            if note.arrow_patch is None:
+                continue
+            line = note.arrow_patch.get_path().interpolated(50).vertices
+            line = note.arrow_patch.get_transform().transform(line)
+            others = [box for box, other in zip(boxes, ax.texts, strict=True) if other is not note]
+            assert not any(box.contains(*at) for box in others for at in line)
 
 
 @pytest.mark.parametrize(

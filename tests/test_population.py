@@ -12,6 +12,7 @@ from socp_statics.cases.problem import problem_from_tables
 from socp_statics.cli import main
 from socp_statics.comparison import compare, compare_records, judge_stances, population_tables
 from socp_statics.comparison.population import Judged, Population
+from socp_statics.comparison.sentences import population_sentence
 from socp_statics.contacts import ExternalWrench, Stance, SurfaceContact
 from socp_statics.exceptions import EngineError, InputError
 
@@ -132,6 +133,23 @@ def test_a_level_floor_costs_nothing():
     assert {r["false"] for r in found["rates"]} == {0}
     assert all(abs(r["worst"]) < 1e-9 for r in found["areas"])
     assert "changes no area" in found["answer"] and "unsafe" not in found["answer"]
+
+
+@pytest.mark.parametrize(
+    ("median", "most", "said"),
+    [
+        (4, 8, "; 4 sides bring the median area within 1 %, 8 that of 95 % of the regions."),
+        (4, None, "; 4 sides bring the median area within 1 %, but even with 8 more than 5 % of the regions are farther off."),
+        (None, None, "; even 8 sides do not bring the median area within 1 %."),
+    ],
+)
+def test_the_sentence_says_how_many_sides_bring_areas_near(median, most, said):
+    kinds = ("inscribed", "circumscribed")
+    row = {"where": {}, "median": 0.0, "worst": 0.1, "low": 0.0, "high": 0.1}
+    areas = [{"kind": kind, "sides": sides} | row for kind in kinds for sides in (4, 8)]
+    few = {kind: {"median": median, "most": most} for kind in kinds}
+    tables = {"stances": 9, "rates": [], "areas": areas, "sides_for_one_percent": few}
+    assert population_sentence(tables, (4, 8)).endswith(said)
 
 
 class TestCommand:

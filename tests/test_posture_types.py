@@ -165,6 +165,9 @@ class TestAsAUser:
         assert main(["show", "hoap2/half_squat"]) == 0
         text = capsys.readouterr().out
         assert "posture types (Table 3.1)" in text and "yes regular" in text and "no  singular" in text
+        assert "e-1" not in text.split("moments about")[1].splitlines()[0], "rounding errors are no coordinates"
+        assert main(["show", "hoap2/double_stance"]) == 0
+        assert "moments about [0.009, -0.039, 0] m" in capsys.readouterr().out
         assert main(["show", "contacts/flat_double_stance"]) == 0
         assert "posture types" not in capsys.readouterr().out
 

@@ -20,6 +20,7 @@ from socp_statics.comparison import compare_regions
 from socp_statics.exceptions import InputError
 from socp_statics.figures import answer_figure, draw, draw_robot, robot_views, save_figure
 from socp_statics.figures.outlines import VIEWS, Body, back_to_front, nearest_depth, outline
+from socp_statics.figures.quantities import force_text
 from socp_statics.figures.style import ORANGE
 from socp_statics.postures import GENERATORS, pose
 from socp_statics.regions.polygon import area
@@ -197,6 +198,10 @@ def test_forces_seen_at_one_point_are_added_and_drawn_to_scale(postures):
         sums[key] = sums.get(key, 0.0) + force[[0, 2]]
     expected = np.array([np.linalg.norm(sums[round(tail[0], 6)]) for tail, _ in ends])
     assert len(arrows) == 2 and np.allclose(lengths / lengths.max(), expected / expected.max())
+    # the legend says both what a point carries and what the longest arrow is
+    largest = np.linalg.norm(forces.force_W, axis=1).max()
+    (words,) = [a.get_label() for a in arrows if str(a.get_label()).startswith("forces")]
+    assert words == f"forces up to {force_text(largest)},\nsums up to {force_text(expected.max())}"
 
 
 def test_a_robot_without_shapes_is_drawn_as_lines(postures):

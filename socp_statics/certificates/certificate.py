@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -19,7 +19,20 @@ STILL = 1e-9
 
 @dataclass(frozen=True)
 class ForcesCertificate:
-    """The forces of the answer themselves: they balance the load and lie inside every cone."""
+    """The forces of the answer themselves: they balance the load and lie inside every cone.
+
+    Attributes:
+        balance: Norm of the wrench that they leave over, over the load.
+        cone: How far they are outside a cone, bound or limit at most, over the load.
+    """
+
+    balance: float = field(default=0.0, compare=False)
+    cone: float = field(default=0.0, compare=False)
+
+    def __repr__(self) -> str:
+        """What it certifies, and how well."""
+        kept = f"are within {self.cone:.1e} of it of" if self.cone > 0.0 else "keep"
+        return f"<ForcesCertificate: forces that balance the load to {self.balance:.1e} of it and {kept} every cone, bound and limit>"
 
     def as_record(self) -> dict[str, Any]:
         """The record's entry."""
@@ -45,6 +58,10 @@ class MotionCertificate:
         names, length = data.torques.names, data.units.length
         self.joints = {names[k]: float(motion.joints[k] / length) for k in np.flatnonzero(np.abs(motion.joints) > STILL)}
 
+    def __repr__(self) -> str:
+        """What it certifies: the motion in words, and the power that no admissible force takes away."""
+        return f"<MotionCertificate: {self.reading}; load and forces, whatever they are, do at least {self.power:.4g} W on it>"
+
     @cached_property
     def reading(self) -> str:
         """The motion in words."""
@@ -53,7 +70,7 @@ class MotionCertificate:
     @cached_property
     def contacts(self) -> dict[str, str]:
         """What each contact does: "holds", "slides" or "opens"."""
-        return contact_states(self._data, self._at_contacts)
+        return contact_states(self._data, self._motion, self._at_contacts)
 
     def as_record(self) -> dict[str, Any]:
         """The record's entry."""

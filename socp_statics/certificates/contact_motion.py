@@ -74,6 +74,21 @@ def motion_of(data: StaticsData, twist: Array, limit_multipliers: Array | None =
     return Motion(twist, joint_rates(data.torques, limit_multipliers[data.handle_limits :]))
 
 
+def frame_velocities(data: StaticsData, motion: Motion) -> Array:
+    """Velocity of each contact's position, on the robot's side.
+
+    Args:
+        data: The stance's arrays.
+        motion: Twist and joint rates.
+
+    Returns:
+        World axes, scaled, shape (contacts, 3).
+    """
+    twist, joints = motion
+    velocity = twist[:3] + cross(twist[3:], data.position)
+    return velocity + (data.torques.jacobian @ joints)[:, :3] if len(joints) else velocity
+
+
 def contact_motion(data: StaticsData, cone: ConeChoice, motion: Motion) -> ContactMotion:
     """Velocities and least works of a motion.
 

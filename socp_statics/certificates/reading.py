@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from socp_statics.certificates.contact_motion import ContactMotion, Motion
+from socp_statics.certificates.contact_motion import ContactMotion, Motion, frame_velocities
 from socp_statics.spatial import Array
 from socp_statics.statics.statics_data import StaticsData
 
@@ -44,16 +44,39 @@ def point_states(motion: ContactMotion) -> list[str]:
     return states
 
 
-def contact_states(data: StaticsData, motion: ContactMotion) -> dict[str, str]:
-    """What each contact does: it holds while one of its points holds, else slides while one slides, else opens."""
+def _free_slides(data: StaticsData, whole: Motion) -> dict[str, Array]:
+    """Handles whose position moves along what they do not transmit, with its velocity, shape (3,), in world axes.
+
+    Rates that nothing resists are not zero to rounding where they are meant to be, so these are judged against `GENTLE`.
+    """
+    frames = frame_velocities(data, whole)
+    com = whole.twist[:3] + np.cross(whole.twist[3:], data.com)
+    fastest = max(float(np.linalg.norm(frames, axis=1).max(initial=0.0)), float(np.linalg.norm(com)), STILL)
+    handles = set(range(len(data.names))) - set(data.contact_of_point.tolist())
+    out = {}
+    for k in sorted(handles):
+        resisted = data.component_of_handle[data.contact_of_handle == k]
+        unresisted = data.rotation[k].T @ frames[k]
+        unresisted[resisted[resisted < 3]] = 0.0
+        if np.linalg.norm(unresisted) > GENTLE * fastest:
+            out[data.names[k]] = frames[k]
+    return out
+
+
+def contact_states(data: StaticsData, whole: Motion, motion: ContactMotion) -> dict[str, str]:
+    """What each contact does: it holds while one of its points holds, else slides while one slides, else opens.
+
+    A handle holds only where its own position stays, whatever it transmits.
+    """
     points = point_states(motion)
+    free = _free_slides(data, whole)
     scale = max(_speed(motion), float(np.abs(motion.handle).max(initial=0.0)))
     out = {}
     for k, name in enumerate(data.names):
         mine = {points[i] for i in np.flatnonzero(data.contact_of_point == k)}
         grips = np.abs(motion.handle[data.contact_of_handle == k]) / scale
         if not mine:
-            out[name] = "holds" if not grips.size or grips.max() <= REST else "slides"
+            out[name] = "slides" if name in free or (grips.size and grips.max() > REST) else "holds"
         else:
             out[name] = next(word for word in ("holds", "slides", "opens") if word in mine)
     return out
@@ -132,7 +155,8 @@ def _at_contacts(data: StaticsData, whole: Motion, motion: ContactMotion, with_j
     com_velocity = whole.twist[:3] + np.cross(whole.twist[3:], data.com)
     turning = float(np.linalg.norm(whole.twist[3:])) > 1e-6
     states = point_states(motion)
-    words = contact_states(data, motion)
+    words = contact_states(data, whole, motion)
+    free = _free_slides(data, whole)
     pivots = _pivots(data, states)
     holding = [name for name, word in words.items() if word == "holds" and name not in pivots]
     sliding = [name for name, word in words.items() if word == "slides"]
@@ -150,8 +174,14 @@ def _at_contacts(data: StaticsData, whole: Motion, motion: ContactMotion, with_j
         parts.append(f"{_and(holding)} hold" + ("s" if len(holding) == 1 else ""))
     directions: dict[str, list[str]] = {}
     for name in sliding:
-        directions.setdefault(_sliding(data, motion, states, name), []).append(name)
-    falling = len(sliding) > 1 and not pivots and not holding and com_velocity[2] < -0.5 * np.linalg.norm(com_velocity)
+        if name in free:
+            rates = motion.handle[data.contact_of_handle == data.names.index(name)]
+            freely = "" if np.abs(rates).max(initial=0.0) > REST * _speed(motion) else " freely"
+            how = f"slides{freely} along {direction_words(free[name])}"
+        else:
+            how = _sliding(data, motion, states, name)
+        directions.setdefault(how, []).append(name)
+    falling = len(sliding) > 1 and not free and not pivots and not holding and com_velocity[2] < -0.5 * np.linalg.norm(com_velocity)
     if falling:
         parts.append(f"falls between {_and(sliding)}")
     parts += [f"{how} at {_and(names)}" for how, names in directions.items()]

@@ -38,6 +38,7 @@ class Finding(NamedTuple):
         forces: Gives the forces of the answer, of a region one choice for each corner; made when they are asked for.
         engine: Name of the engine that answered.
         polygon: Attained corners of a region, shape (k, 2) [m]; else None.
+        rays: Directions in which a region has no end, shape (r, 2); else None.
     """
 
     value: float
@@ -46,6 +47,7 @@ class Finding(NamedTuple):
     forces: Callable[[], tuple[PointForces, ...]]
     engine: str
     polygon: Array | None = None
+    rays: Array | None = None
 
 
 Ask = Callable[[Stance, Mapping[str, Any], ConeChoice, Engines], Finding]
@@ -79,7 +81,7 @@ def _margin(stance: Stance, parameters: Mapping[str, Any], cone: ConeChoice, eng
 def _region(stance: Stance, parameters: Mapping[str, Any], cone: ConeChoice, engine: Engines) -> Finding:
     region = trace_support_region(stance, min(parameters.get("tolerance", TOLERANCE), TOLERANCE), cone=cone, engine=engine)
     if region.kind == "unbounded":
-        return Finding(math.inf, math.inf, region.kind, tuple, region.engine, region.inner)
+        return Finding(math.inf, math.inf, region.kind, tuple, region.engine, region.inner, region.rays)
     return Finding(region.inner_area, region.outer_area, region.kind, lambda: region.inner_forces, region.engine, region.inner)
 
 

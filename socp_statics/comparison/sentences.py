@@ -116,9 +116,12 @@ def _one_percent(tables: Mapping[str, Any]) -> str:
     half = [few[kind]["median"] for kind in few]
     most = [few[kind]["most"] for kind in few]
     asked = max(row["sides"] for row in tables["areas"])
-    first = f"{max(half)} sides bring" if None not in half else f"not even {asked} sides bring"
-    rest = f"{max(most)}" if None not in most else f"not even {asked}"
-    return f"; {first} the median area within 1 %, {rest} that of 95 % of the regions"
+    if None in half:
+        return f"; even {asked} sides do not bring the median area within 1 %"
+    near = f"; {max(half)} sides bring the median area within 1 %"
+    if None in most:
+        return f"{near}, but even with {asked} more than 5 % of the regions are farther off"
+    return f"{near}, {max(most)} that of 95 % of the regions"
 
 
 def _changes_verdict(keys: Mapping[str, Any], sides: int) -> bool:

@@ -37,7 +37,8 @@ def compared_stance(
 
         A row of ``pyramids`` has quantity, kind, sides, heading, value, state, error, relative_error (of a margin over the weight,
         else over the exact value), side ("safe", "unsafe" or "none"), violation (see `violations.Violation`) and engine. ``spread``
-        sums them up over the headings, ``regions`` has the corners of the pyramids of four sides, or of the fewest.
+        sums them up over the headings, ``regions`` has the corners of the pyramids of four sides, or of the fewest, and the
+        ``rays`` of those without end.
 
     Raises:
         InputError: Sides or headings are wrong.
@@ -62,9 +63,9 @@ def compared_stance(
             require_order(quantity, cone.kind, true, found, scale)
             rows.append({"quantity": quantity.name, **cone.as_record(), **_row(quantity, true, found, scale, stance)})
             if quantity.name == "region" and cone.sides == shown_sides(sides) and found.polygon is not None:
-                regions.setdefault(cone.kind, []).append({"heading": cone.heading, "corners": found.polygon})
+                regions.setdefault(cone.kind, []).append({"heading": cone.heading, "corners": found.polygon, **_ends(found)})
         if true.polygon is not None:
-            regions = {"exact": true.polygon, "sides": shown_sides(sides), **regions}
+            regions = {"exact": true.polygon, **_ends(true), "sides": shown_sides(sides), **regions}
     spread = [_spread(rows, q, kind, n) for q in exact for kind in PYRAMIDS for n in sides]
     few = {q: {kind: fewest_sides(spread, q, kind) for kind in PYRAMIDS} for q in exact}
     keys = {"exact": exact, "left_out": left_out, "pyramids": rows, "spread": spread, "sides_for_one_percent": few, "regions": regions}
@@ -72,6 +73,9 @@ def compared_stance(
     return found_plain
 
 
+def _ends(found: Finding) -> dict[str, Any]:
+    """Directions in which a region has no end, where there are any."""
+    return {} if found.rays is None else {"rays": found.rays}
 
 
 def _row(quantity: Quantity, true: Finding, found: Finding, scale: float, stance: Stance) -> dict[str, Any]:

@@ -14,6 +14,7 @@ from socp_statics.figures.draw_comparison import draw_errors, draw_region_family
 from socp_statics.figures.draw_rates import circumstances, draw_area_errors, draw_rates, draw_rates_by
 from socp_statics.figures.figure_file import figure_path, write_figure
 from socp_statics.figures.layout import wrapped
+from socp_statics.figures.marks import LEGEND_MARKS
 from socp_statics.figures.style import TWO_COLUMNS, house_style
 
 HEIGHT, LINE = 2.75, 0.125
@@ -80,7 +81,7 @@ def _of_population(comparison: Mapping[str, Any]) -> Figure:
             draw_rates_by(comparison, name, shown, figure.add_subplot(grid[1, k * share : (k + 1) * share]))
     draw_rates(comparison, first)
     draw_area_errors(comparison, second)
-    first.legend(loc="lower left")
+    figure.legend(*first.get_legend_handles_labels(), loc="outside lower center", ncols=2)
     return figure
 
 
@@ -95,4 +96,7 @@ def _sheet(comparison: Mapping[str, Any], height: float) -> Figure:
 
 def _legend_below(ax: Axes) -> None:
     if ax.get_legend_handles_labels()[1]:
-        ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=1, fontsize=6.0, handlelength=2.4, labelspacing=0.25)
+        ax.legend(
+            loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=1, fontsize=6.0, handlelength=2.4, labelspacing=0.25,
+            handler_map=LEGEND_MARKS,
+        )  # fmt: skip

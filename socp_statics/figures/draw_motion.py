@@ -99,7 +99,9 @@ def add_motion(
         _add_heave(ax, contacts.points_W, velocity[:-1, 2] / fastest)
     size = float(np.linalg.norm(bodies - bodies.mean(axis=0), axis=1).max())
     if not joints and np.linalg.norm(angular) * size > NOTHING * fastest:
-        _add_axis(ax, linear, angular, point, window, axes)
+        along = angular / np.linalg.norm(angular)
+        words = "screw axis" if abs(float(linear @ along)) > NOTHING * fastest else "axis of rotation"
+        _add_axis(ax, linear, angular, point, window, axes, words)
     return window
 
 
@@ -114,8 +116,8 @@ def _add_heave(ax: Axes, points: Array, rate: Array) -> None:
             add_dots(ax, where, sign, size, label=OVER + words, **inner)
 
 
-def _add_axis(ax: Axes, linear: Array, angular: Array, point: Array, window: Window, axes: tuple[int, int]) -> None:
-    """The axis of rotation: a line where it lies in the drawing plane, a dot where it stands on it."""
+def _add_axis(ax: Axes, linear: Array, angular: Array, point: Array, window: Window, axes: tuple[int, int], words: str) -> None:
+    """The axis of rotation: a line where it lies in the drawing plane, a dot where it stands on it; nothing where it is out of sight."""
     speed = float(np.linalg.norm(angular))
     through = (point + np.cross(angular, linear) / speed**2)[list(axes)]
     along = angular[list(axes)] / speed
@@ -123,8 +125,17 @@ def _add_axis(ax: Axes, linear: Array, angular: Array, point: Array, window: Win
         way = along / np.linalg.norm(along)
         centre = np.array([0.5 * (window.x_min + window.x_max), 0.5 * (window.y_min + window.y_max)])
         foot = through + float((centre - through) @ way) * way
+        if not _crosses(foot, way, window):
+            return
         ends = np.array([foot - 4.0 * window.span * way, foot + 4.0 * window.span * way])
-        add_line(ax, ends, color=VERMILLION, linestyle=(0, (7, 1.5, 1.2, 1.5)), linewidth=1.0, zorder=4.5, label="axis of rotation")
-    else:
+        add_line(ax, ends, color=VERMILLION, linestyle=(0, (7, 1.5, 1.2, 1.5)), linewidth=1.0, zorder=4.5, label=words)
+    elif window.holds(through):
         style = {"markerfacecolor": "none", "markeredgecolor": VERMILLION, "markeredgewidth": 1.0, "zorder": 4.5}
-        add_dots(ax, through, "P", 5.0, label="axis of rotation", **style)
+        add_dots(ax, through, "P", 5.0, label=words, **style)
+
+
+def _crosses(foot: Array, way: Array, window: Window) -> bool:
+    """Whether a line through a point, shape (2,), has corners of the window on both of its sides."""
+    corners = np.array([(x, y) for x in (window.x_min, window.x_max) for y in (window.y_min, window.y_max)]) - foot
+    beside = corners[:, 0] * way[1] - corners[:, 1] * way[0]
+    return bool(beside.min() < 0.0 < beside.max())

@@ -9,10 +9,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter
 
-from socp_statics.figures.draw_comparison import log_sides
+from socp_statics.figures.log_axes import LogPercent, log_sides, percent
 from socp_statics.figures.style import GREY, REGION_LINES
+from socp_statics.spatial import Array
 
-LEAST_RATE, LEAST_ERROR = 1e-4, 1e-4
+RATES, ERRORS = LogPercent(1e-4, 1.0), LogPercent(1e-4, 10.0)
+BESIDE = {"inscribed": 0.985, "circumscribed": 1.015}
 MARKERS = {"inscribed": "s", "circumscribed": "o"}
 WORDS = {"inscribed": "inscribed: falsely unstable", "circumscribed": "circumscribed: falsely stable"}
 
@@ -30,16 +32,21 @@ def draw_rates(comparison: Mapping[str, Any], ax: Axes) -> Axes:
             continue
         sides = [r["sides"] for r in rows]
         low, rate, high = (np.array([r[key] for r in rows]) for key in ("low", "rate", "high"))
-        colour = REGION_LINES[kind]["color"]
-        ax.fill_between(sides, np.maximum(low, LEAST_RATE), np.maximum(high, LEAST_RATE), color=colour, alpha=0.25, linewidth=0.0)
-        # a rate of zero has no place on a logarithmic axis, its interval has
-        ax.plot(sides, np.where(rate > 0.0, rate, np.nan), color=colour, marker=MARKERS[kind], markersize=2.8, label=words)
-    ax.set_yscale("log")
-    ax.set_ylim(LEAST_RATE, 1.0)
-    _percent_axis(ax)
+        _add_banded(ax, kind, sides, RATES.place(low), RATES.place(rate), RATES.place(high), words)
+    RATES.set(ax)
     log_sides(ax, comparison["sides"])
     ax.set_ylabel("share of those that can be misjudged")
     return ax
+
+
+def _add_banded(ax: Axes, kind: str, sides: list[int], low: Array, middle: Array, high: Array, words: str | None = None) -> None:
+    """A line with a band around it; a mark with a bar where there is one number of sides only."""
+    style: dict[str, Any] = {"color": REGION_LINES[kind]["color"], "marker": MARKERS[kind], "markersize": 2.8, "label": words}
+    if len(sides) == 1:
+        ax.errorbar([sides[0] * BESIDE[kind]], middle, [middle - low, high - middle], linestyle="none", elinewidth=0.8, **style)
+        return
+    ax.fill_between(sides, low, high, color=style["color"], alpha=0.22, linewidth=0.0)
+    ax.plot(sides, middle, **style)
 
 
 def draw_rates_by(comparison: Mapping[str, Any], name: str, sides: int, ax: Axes) -> Axes:
@@ -70,8 +77,9 @@ def draw_rates_by(comparison: Mapping[str, Any], name: str, sides: int, ax: Axes
             label.set_horizontalalignment("right")
             label.set_rotation_mode("anchor")
     ax.set_xlim(-0.5, max(len(values), 1) - 0.5)
-    ax.set_ylim(bottom=0.0)
-    _percent_axis(ax)
+    # room for the marks of rates that are zero
+    ax.set_ylim(bottom=-0.03 * ax.get_ylim()[1])
+    ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: percent(value)))
     ax.set_xlabel(name)
     ax.set_ylabel(f"false verdicts, {sides} sides")
     return ax
@@ -91,21 +99,12 @@ def draw_area_errors(comparison: Mapping[str, Any], ax: Axes) -> Axes:
         sides = [r["sides"] for r in rows]
         ends = np.array([[abs(float(r[key])) for key in ("low", "median", "high")] for r in rows])
         low, high = np.sort(ends[:, (0, 2)], axis=1).T
-        colour = REGION_LINES[kind]["color"]
-        top = np.where(np.isfinite(high), high, 1e3)
-        ax.fill_between(sides, np.maximum(low, LEAST_ERROR), top, color=colour, alpha=0.2, linewidth=0.0)
-        ax.plot(sides, np.maximum(ends[:, 1], LEAST_ERROR), color=colour, marker=MARKERS[kind], markersize=2.8)
-    ax.set_yscale("log")
+        _add_banded(ax, kind, sides, ERRORS.place(low), ERRORS.place(ends[:, 1]), ERRORS.place(high))
     ax.axhline(0.01, color=GREY, linewidth=0.5, zorder=0.5)
-    ax.set_ylim(LEAST_ERROR, 10.0)
-    _percent_axis(ax)
+    ERRORS.set(ax)
     log_sides(ax, comparison["sides"])
     ax.set_ylabel("error of the area: median, 5 to 95 %")
     return ax
-
-
-def _percent_axis(ax: Axes) -> None:
-    ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{100 * value:g} %"))
 
 
 def _named(value: Any) -> str:

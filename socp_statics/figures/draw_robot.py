@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from socp_statics.exceptions import InputError
-from socp_statics.figures.draw_stance import AXIS_WORDS, add_forces, merged
+from socp_statics.figures.draw_stance import AXIS_WORDS, add_forces, force_sizes, merged
 from socp_statics.figures.layout import Row, arrange, new_axes, sheet_of, show_alone_or_in
 from socp_statics.figures.marks import add_com, add_line
 from socp_statics.figures.outlines import VIEWS, View
@@ -138,13 +138,13 @@ def add_robot(ax: Axes, posture: Posture, view: View, pushes: Pushes, *, cones: 
     lowest = float(posture.contacts.points_W[:, 2].min())
     add_line(ax, np.array([com, [com[0], lowest]]), color=BLACK, linewidth=0.6, linestyle=(0, (4, 2.5)), zorder=4.3)
     longest = max((_longest(pushes, each) for each in VIEWS.values()), default=0.0)
-    largest = max((float(np.linalg.norm(f["force"])) for each in VIEWS.values() for f in merged(pushes.forces, each.axes)), default=0.0)
+    sizes = force_sizes(pushes.forces, [each.axes for each in VIEWS.values()]) if pushes.forces else None
     for entries, colour, words in pushes.styles(view):
         if longest > 0.0 and entries:
             reach = FORCE_SHARE * size / longest
             shown += [np.array([f["point"], np.asarray(f["point"]) + reach * np.asarray(f["force"])])[:, view.axes] for f in entries]
             add_forces(ax, entries, around(body), color=colour, words=words, axes=view.axes, longest=longest,
-                       share=FORCE_SHARE * size / around(body).span, most=largest if colour == PURPLE else None)  # fmt: skip
+                       share=FORCE_SHARE * size / around(body).span, size=sizes if colour == PURPLE else None)  # fmt: skip
     add_com(ax, com)
     label_axes(ax, (AXIS_WORDS[view.axes[0]], AXIS_WORDS[view.axes[1]]))
     if named:

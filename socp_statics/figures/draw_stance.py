@@ -115,7 +115,7 @@ def add_forces(
     axes: tuple[int, int] = PLAN,
     longest: float | None = None,
     share: float = 0.22,
-    most: float | None = None,
+    size: str | None = None,
 ) -> None:
     """Add forces as arrows from their points, the longest a fixed share of the view.
 
@@ -128,19 +128,32 @@ def add_forces(
         axes: The two world axes they are projected on.
         longest: The force drawn longest; by default the largest of these, projected [N].
         share: Length of that force over the span of the view.
-        most: The size in the legend; by default that of the largest of these [N].
+        size: What the legend says of the sizes, of `force_sizes`; by default the largest of these.
     """
     entries = [(np.asarray(f["point"], dtype=float)[list(axes)], np.asarray(f["force"], dtype=float)) for f in forces]
     sizes = [float(np.linalg.norm(f[list(axes)])) for _, f in entries]
     scale = longest or max(sizes, default=0.0)
     if not entries or not scale > 0.0:
         return
-    label: str | None = f"{words} {force_text(most or max(float(np.linalg.norm(f)) for _, f in entries))}"
-    for (point, force), size in zip(entries, sizes, strict=True):
-        if size > 0.02 * scale:
+    label: str | None = f"{words} {size or force_text(max(float(np.linalg.norm(f)) for _, f in entries))}"
+    for (point, force), length in zip(entries, sizes, strict=True):
+        if length > 0.02 * scale:
             head = point + share * window.span * force[list(axes)] / scale
             add_arrow(ax, point, head, color=color, linewidth=1.1, zorder=5.0, label=label)
             label = None
+
+
+def force_sizes(forces: Iterable[Mapping[str, Any]], views: Iterable[tuple[int, int]]) -> str:
+    """Sizes of point forces for the legend: the largest, and the largest arrow where arrows are sums of forces that coincide in a view.
+
+    Args:
+        forces: Mappings with "point" [m] and "force" [N], shape (3,) each, at least one.
+        views: The two world axes of each drawing plane.
+    """
+    entries = list(forces)
+    alone = max(float(np.linalg.norm(f["force"])) for f in entries)
+    summed = max(float(np.linalg.norm(f["force"])) for axes in views for f in merged(entries, axes))
+    return force_text(alone) + (f",\nsums up to {force_text(summed)}" if summed > (1.0 + 1e-6) * alone else "")
 
 
 def merged(forces: Iterable[Mapping[str, Any]], axes: tuple[int, int]) -> list[dict[str, Any]]:

@@ -83,11 +83,10 @@ def place_names(ax: Axes, points: Mapping[str, Array]) -> None:
         half = 0.5 * np.array([text_width(name) + 2.0, 0.95 * SIZE])
         extent = np.minimum(0.5 * np.ptp(around, axis=0), 0.5 * (frame[2:] - frame[:2]))
         choices = [middle + offset for offset in _offsets(extent, half)]
-        costs = [_cost(place, half, middle, ink, taken, frame) for place in choices]
+        costs = [_cost(place, half, middle, ink, taken, frame) + _leader_cost(place, half, middle, extent, taken) for place in choices]
         best = choices[int(np.argmin(costs))]
         taken.append(np.concatenate([best - half, best + half]))
-        away = np.abs(best - middle) - extent - half
-        far = float(away.max()) > 4.0 * GAP
+        far = _far(best, half, middle, extent)
         note = ax.annotate(
             name, xy=tuple(ax.transData.inverted().transform(middle / scale)), xytext=tuple(best - middle), textcoords="offset points",
             ha="center", va="center", fontsize=SIZE, color="#222222", zorder=7.0, annotation_clip=False,
@@ -119,6 +118,18 @@ def _cost(place: Array, half: Array, middle: Array, ink: Array, taken: list[Arra
         covered += float(overlap.prod()) if (overlap > 0.0).all() else 0.0
     crossed = int(((ink > low - 1.0) & (ink < high + 1.0)).all(axis=1).sum()) if len(ink) else 0
     return 100.0 * outside + 20.0 * covered + 3.0 * crossed + 0.25 * float(np.linalg.norm(place - middle))
+
+
+def _far(place: Array, half: Array, middle: Array, extent: Array) -> bool:
+    """Whether a name stands so far from its contact that a line has to lead to it."""
+    return float((np.abs(place - middle) - extent - half).max()) > 4.0 * GAP
+
+
+def _leader_cost(place: Array, half: Array, middle: Array, extent: Array, taken: list[Array]) -> float:
+    """What it costs that the line to a far name runs through other names."""
+    if not _far(place, half, middle, extent):
+        return 0.0
+    return 100.0 * sum(_clipped(middle, place, box) is not None for box in taken)
 
 
 def _dpi(ax: Axes) -> float:

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 
 from socp_statics.figures.answer_content import Answer
 from socp_statics.figures.draw_motion import add_motion
-from socp_statics.figures.draw_stance import AXIS_WORDS, add_com_or_direction, add_contacts, add_forces, merged
+from socp_statics.figures.draw_stance import AXIS_WORDS, add_com_or_direction, add_contacts, add_forces, force_sizes, merged
 from socp_statics.figures.style import BLACK, GREY, PURPLE
 from socp_statics.figures.window import Window, around, label_axes
 
@@ -35,7 +35,9 @@ def add_side(ax: Axes, answer: Answer) -> Window:
     add_com_or_direction(ax, answer.com[list(axes)], shown)
     if answer.motion is not None:
         shown = add_motion(ax, answer.motion, answer.contacts, answer.com, shown, axes, answer.posture)
-    add_forces(ax, merged(answer.forces, axes), shown, color=PURPLE, words="forces up to", **scale)
+    if answer.forces:
+        sizes = force_sizes(answer.forces, [axes])
+        add_forces(ax, merged(answer.forces, axes), shown, color=PURPLE, words="forces up to", size=sizes, **scale)
     add_forces(ax, [weight], shown, color=GREY, words="weight", **scale)
     add_forces(ax, answer.loads, shown, color=BLACK, words="load", **scale)
     label_axes(ax, (AXIS_WORDS[across], AXIS_WORDS[2]))

@@ -10,6 +10,7 @@ import numpy as np
 from socp_statics.cones.choice import ConeChoice
 from socp_statics.contacts import Stance
 from socp_statics.models.contact_forces_set import ForceShape, force_shape
+from socp_statics.spatial import Array
 from socp_statics.statics import StaticsData, assemble, wrench_range
 
 QUESTIONS = {
@@ -89,9 +90,14 @@ def describe(model: str, stance: Stance, parameters: Mapping[str, Any]) -> str:
         f"unknowns    x = (f_t, f_n, m_n, h) in contact frames: {2 * shape.slipping} tangential forces, {shape.points} normal forces, "
         f"{shape.box + shape.elliptic} torsional moments, {shape.handle} handle components",
         f"units       force {units.force:.6g} N, length {units.length:.6g} m, moments about "
-        f"[{', '.join(f'{v:.6g}' for v in units.origin + 0.0)}] m; rank of G {reach.rank} of 6",
+        f"[{', '.join(f'{v:.6g}' for v in _without_dust(units.origin, units.length))}] m; rank of G {reach.rank} of 6",
     ]
     return "\n".join(lines)
+
+
+def _without_dust(position: Array, length: float) -> Array:
+    """A position with coordinates that are rounding errors of this length, or of the position's distance, replaced by zero."""
+    return np.where(np.abs(position) > 1e-13 * (length + np.linalg.norm(position)), position, 0.0)
 
 
 def _question(model: str, parameters: Mapping[str, Any]) -> tuple[str, str, str]:

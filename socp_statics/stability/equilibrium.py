@@ -178,7 +178,7 @@ def _answer(data: StaticsData, cone: ConeChoice, margin: Margin, verdict: str, r
     if margin.x is not None and margin.held is not None and verdict != "unstable":
         forces = point_forces(data, margin.x)
         residuals |= {"balance": margin.held.balance, "cone": margin.held.cone}
-        certificate = ForcesCertificate() if verdict == "stable" else None
+        certificate = ForcesCertificate(*margin.held) if verdict == "stable" else None
     elif verdict == "unstable":
         certificate = margin.certificate
     status = "unbounded" if margin.value == np.inf else "infeasible" if margin.value == -np.inf else "solved"
@@ -219,7 +219,8 @@ def _at_the_boundary(
         forces = _with_idle_zero(stance, point_forces(part, reserve.x))
         residuals = {"balance": held.balance * scale, "cone": held.cone * scale, "gap": reserve.gap}
         found |= {"forces": forces, "torques": joint_torques_of(part, reserve.x), "residuals": residuals}
-        return _with(undecided, verdict="stable", reason=None, certificate=ForcesCertificate(), **found)
+        certified = ForcesCertificate(residuals["balance"], residuals["cone"])
+        return _with(undecided, verdict="stable", reason=None, certificate=certified, **found)
     if reserve.value * scale <= -BOUNDARY and reserve.motion is not None:
         motion = _moved_to(data, part, reserve.motion)
         share = _opening(data, cone, motion, idle.names)
