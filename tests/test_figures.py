@@ -16,7 +16,7 @@ from socp_statics.comparison import compare_regions
 from socp_statics.contacts import ExternalWrench, Handle, PointContact, Stance, SurfaceContact
 from socp_statics.exceptions import InputError
 from socp_statics.figures import answer_figure, draw, draw_motion, draw_region, draw_stance, quantities, save_figure
-from socp_statics.figures.window import Window, choose_window, inside
+from socp_statics.figures.window import Window
 from socp_statics.regions import base_of_support, trace_support_region, tracing
 from socp_statics.stability import check_equilibrium
 
@@ -367,38 +367,3 @@ def test_a_picture_is_not_blank(answers, tmp_path):
     assert pixels.min() == 0.0 and pixels.max() == 1.0
     coloured = np.ptp(pixels, axis=1) > 0.3
     assert 0.02 < coloured.mean() < 0.5
-
-
-@pytest.mark.parametrize(
-    ("text", "expected"),
-    [
-        (quantities.area_text(0.013818), "138.18 cm²"),
-        (quantities.area_text(0.0), "0 cm²"),
-        (quantities.area_text(8400.0), "8400.0 m²"),
-        (quantities.area_text(2e-9), "0.002 mm²"),
-        (quantities.length_text(-0.04), "\N{MINUS SIGN}40.00 mm"),
-        (quantities.length_text(30.0), "30.00 m"),
-        (quantities.length_text(0.0), "0 mm"),
-        (quantities.length_text(0.99999999999), "1000 mm"),
-        (quantities.length_text(-1e-9), "\N{MINUS SIGN}1e\N{MINUS SIGN}06 mm"),
-        (quantities.force_text(14.234), "14.23 N"),
-        (quantities.force_text(735749.0), "735.7 kN"),
-        (quantities.force_text(-0.5), "\N{MINUS SIGN}0.5000 N"),
-    ],
-)
-def test_numbers_are_written_with_units(text, expected):
-    assert text == expected
-
-
-def test_a_polygon_is_cut_to_a_window():
-    square = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
-    part = inside(square, Window(0.0, 2.0, 0.0, 2.0))
-    assert sorted(map(tuple, part.tolist())) == [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)]
-    assert len(inside(square, Window(2.0, 3.0, 2.0, 3.0))) == 0
-
-
-def test_a_large_region_does_not_make_the_robot_tiny():
-    robot = np.array([[0.0, 0.0], [0.3, 0.2]])
-    twenty_metres = 10.0 * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
-    for bounded, endless in (([twenty_metres], []), ([], [twenty_metres])):
-        assert choose_window(robot, np.zeros((0, 2)), bounded, endless).span < 3.0

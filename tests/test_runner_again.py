@@ -108,7 +108,8 @@ def test_a_crash_between_a_shard_and_what_it_replaces_leaves_nothing_twice(tmp_p
     assert [record.line() for record in ss.load_results(out)] == before
 
 
-def test_an_interrupted_rerun_of_another_question_is_not_taken_for_done(tmp_path, monkeypatch):
+@pytest.mark.parametrize("rerun", [False, True])
+def test_an_interrupted_change_is_not_taken_for_done(tmp_path, monkeypatch, rerun):
     path, out = write(tmp_path / "slopes.toml", [0.3, 0.5]), tmp_path / "out"
     run([str(path)], out, workers=1)
     write(path, [0.4, 0.6])
@@ -118,21 +119,6 @@ def test_an_interrupted_rerun_of_another_question_is_not_taken_for_done(tmp_path
 
     with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
         patch.setattr(running, "dispatch", stop)
-        run([str(path)], out, workers=1, rerun=True)
-    assert run([str(path)], out, workers=1).computed == 4
-    assert [r["case"]["posture"]["contacts"][0]["friction"] for r in ss.load_results(out)] == [0.4, 0.4, 0.6, 0.6]
-
-
-def test_an_interrupted_change_is_not_taken_for_done(tmp_path, monkeypatch):
-    path, out = write(tmp_path / "slopes.toml", [0.3, 0.5]), tmp_path / "out"
-    run([str(path)], out, workers=1)
-    write(path, [0.4, 0.6])
-
-    def stop(*arguments):
-        raise KeyboardInterrupt
-
-    with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
-        patch.setattr(running, "dispatch", stop)
-        run([str(path)], out, workers=1)
+        run([str(path)], out, workers=1, rerun=rerun)
     assert run([str(path)], out, workers=1).computed == 4
     assert [r["case"]["posture"]["contacts"][0]["friction"] for r in ss.load_results(out)] == [0.4, 0.4, 0.6, 0.6]

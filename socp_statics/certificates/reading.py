@@ -49,10 +49,12 @@ def _free_slides(data: StaticsData, whole: Motion) -> dict[str, Array]:
 
     Rates that nothing resists are not zero to rounding where they are meant to be, so these are judged against `GENTLE`.
     """
+    handles = set(range(len(data.names))) - set(data.contact_of_point.tolist())
+    if not handles:
+        return {}
     frames = frame_velocities(data, whole)
     com = whole.twist[:3] + np.cross(whole.twist[3:], data.com)
     fastest = max(float(np.linalg.norm(frames, axis=1).max(initial=0.0)), float(np.linalg.norm(com)), STILL)
-    handles = set(range(len(data.names))) - set(data.contact_of_point.tolist())
     out = {}
     for k in sorted(handles):
         resisted = data.component_of_handle[data.contact_of_handle == k]

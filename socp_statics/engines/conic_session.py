@@ -24,6 +24,16 @@ PRECISE = 1e-9
 SHORT = 1e-6
 
 
+def _is_better(after: Residuals, before: Residuals | None) -> bool:
+    """Whether an answer is accurate, or else nearer than one that the engine took, or meets constraints which that one misses."""
+    if max(after) <= ACCEPTED:
+        return True
+    if before is None:
+        return False
+    meets = before.primal > ACCEPTED >= after.primal and after.dual <= before.dual and after.gap <= SHORT
+    return meets or max(after) <= 0.5 * max(before)
+
+
 class ConicSession:
     """One instance of a program; a few parameters change from solve to solve.
 
@@ -101,14 +111,6 @@ class ConicSession:
         if cones.psd or not (np.isfinite(x).all() and np.isfinite(y).all()):
             return solution
         before = solution.residuals if solution.status == SOLVED else None
-
-        def better_than_before(after: Residuals) -> bool:
-            """Nearer than an answer that was good enough for the engine; or one that meets the constraints, where that one does not."""
-            if max(after) <= ACCEPTED or before is None:
-                return max(after) <= ACCEPTED
-            meets = before.primal > ACCEPTED >= after.primal and after.dual <= before.dual and after.gap <= SHORT
-            return meets or max(after) <= 0.5 * max(before)
-
         # The program as it is, then equilibrated, which is work that most never need.
         ways = (lambda: Equilibrated(data, np.ones(len(x)), np.ones(len(y))), cache(lambda: equilibrated(data, cones)))
         for method in (finished, approached):
@@ -118,7 +120,7 @@ class ConicSession:
                 for unit in (unit_of(x0, y0), 1.0):
                     found = method(scaled.data, cones, x0, y0, unit)
                     better = None if found is None else scaled.leave(*found)
-                    if better is not None and better_than_before(self.form.residuals(data, *better)):
+                    if better is not None and _is_better(self.form.residuals(data, *better), before):
                         detail = f"{solution.detail}, then solved to rounding"
                         return FinishedSolution(self.form, data, self.offset, solution.engine, detail, *better)
         return solution

@@ -204,7 +204,9 @@ class _Question:
         """The answer by one engine; None where it does not check, with the reason."""
         solution = one.compile(MODEL, self._shape(self.data, False)).solve(self._values(self.data))
         if solution.status == INFEASIBLE:
-            return None if self.equilibrium.stable else self.infeasible(), f"{solution.detail} though forces balance without it"
+            if self.equilibrium.stable:
+                return None, f"{solution.detail} though forces balance without it"
+            return self.infeasible(), solution.detail
         found = self._solved(solution) if solution.status == SOLVED else self._unbounded(one)
         return found, f"{solution.detail}, {'with an answer that does not check' if solution.status == SOLVED else 'without an optimum'}"
 

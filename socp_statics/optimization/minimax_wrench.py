@@ -93,6 +93,11 @@ def measured(data: StaticsData, cone: ConeChoice, measure: str, level: str, leng
     return Measured(rows, grip, np.array([len(g.points) for g in chosen], dtype=float), scaled, len(chosen))
 
 
+def of_single_points(data: StaticsData, level: str) -> bool:
+    """Whether every group that is measured is one point: at the level of points, or where no contact has several."""
+    return level == "point" or len(set(data.contact_of_point.tolist())) == data.points
+
+
 def attains(data: StaticsData, cone: ConeChoice, measure: str, level: str) -> bool:
     """Whether some forces attain the least measure for certain.
 
@@ -106,9 +111,9 @@ def attains(data: StaticsData, cone: ConeChoice, measure: str, level: str) -> bo
         measure: One of `MEASURES`.
         level: "contact" or "point".
     """
-    alone = level == "point" or len(set(data.contact_of_point.tolist())) == data.points
-    flat = not cone.is_exact and not data.elliptic
-    return measure in ("normal", "force", "component") or (measure == "tangential" and (flat or (alone and not data.elliptic)))
+    if measure == "tangential":
+        return not data.elliptic and (not cone.is_exact or of_single_points(data, level))
+    return measure != "friction_use"
 
 
 def minimise_largest_wrench(
@@ -158,17 +163,16 @@ def minimise_largest_wrench(
         return infeasible(equilibrium)
     data = assemble(stance)
     what = measured(data, choice, measure, level, length / data.units.length)
-    question = _Question(data, choice, form, engine, measure, what, equilibrium, attains(data, choice, measure, level))
+    question = _Question(data, choice, form, engine, measure, what, equilibrium)
     if not question.what.groups and not len(question.what.scaled):
         return question.nothing_to_measure()
     if measure == "friction_use":
         return question.least_friction_use()
-    of_points = measure in COUNTS and (level == "point" or len(data.contact_of_point) == len(data.names))
-    if of_points and choice.is_exact and compiled_first(engine, form):
+    if measure in COUNTS and of_single_points(data, level) and choice.is_exact and compiled_first(engine, form):
         answer = question.compiled(stance)
         if answer is not None:
             return answer
-    return question.minimax()
+    return question.minimax(attains(data, choice, measure, level))
 
 
 class _Question:
@@ -176,10 +180,10 @@ class _Question:
 
     def __init__(
         self, data: StaticsData, cone: ConeChoice, form: str, engine: str | Sequence[str], measure: str, what: Measured,
-        equilibrium: EquilibriumAnswer, attained: bool,
+        equilibrium: EquilibriumAnswer,
     ):
         self.data, self.cone, self.form, self.engine = data, cone, form, engine
-        self.measure, self.what, self.equilibrium, self.attained = measure, what, equilibrium, attained
+        self.measure, self.what, self.equilibrium = measure, what, equilibrium
         self.reach = wrench_range(data.wrench_map)
         self.values = force_values(data, cone, self.reach.basis) | {"F": what.rows}
         self.handovers = 0
@@ -214,14 +218,14 @@ class _Question:
         W = self.data.units.force
         return answer_of(self.data, self.cone, found.x, "solved", found.value * W, found.gap, "kernel", 0, self.equilibrium)
 
-    def minimax(self) -> ForceAnswer:
-        """The measures that are convex in forces and level together."""
+    def minimax(self, attained: bool) -> ForceAnswer:
+        """The measures that are convex in forces and level together; whether the least one is attained for certain."""
         shape = MinimaxShape(self._forces(self.reach.rank), self.measure, self.what.groups)
         solution = self._settled(MODEL, shape, self.values, check=True)
         if solution.status != SOLVED:
             return infeasible(self.equilibrium)
         value = max(solution.objective, 0.0)
-        diverges = not self.attained and float(np.abs(solution.variables["x"]).max()) > DIVERGES
+        diverges = not attained and float(np.abs(solution.variables["x"]).max()) > DIVERGES
         return self._answer(solution, "unbounded" if diverges else "solved", value * self.data.units.force)
 
     def _reserve(self, use: float) -> Solution:

@@ -11,6 +11,18 @@ from socp_statics.spatial import Array
 RELATIVE = 1e-3
 NEGLIGIBLE = 1e-10
 MOST_REFINEMENTS = 60
+# Of the size: what rounding may put a centre of mass outside by that is on the edge.
+ON_EDGE = 1e-9
+
+
+def on_edge_or(margin: float, size: float) -> float:
+    """A CoM margin; zero where it is negative by rounding alone.
+
+    Args:
+        margin: Distance to the edge, negative outside.
+        size: Largest distance between contact points, in the same unit.
+    """
+    return 0.0 if -ON_EDGE * size < margin <= 0.0 else margin
 
 
 def _points(sandwich: Sandwich) -> Array:

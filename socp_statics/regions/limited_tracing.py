@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from socp_statics.cones.choice import ConeChoice
+from socp_statics.regions.com_margin import on_edge_or
 from socp_statics.regions.question import RegionQuestion
 from socp_statics.regions.support_region import SupportRegion
-from socp_statics.regions.tracer import ON_EDGE
 from socp_statics.regions.witnesses import LimitedWitnesses
 from socp_statics.statics import assemble
 
@@ -59,7 +59,7 @@ def trace_limited(question: RegionQuestion, cone: ConeChoice, tolerance: float) 
     if kind != polygon:
         return None
     gap, margin, inner_area, outer_area = numbers.tolist()
-    com_margin = None if not question.with_com else 0.0 if -ON_EDGE * rows.size < margin <= 0.0 else margin
+    com_margin = on_edge_or(margin, rows.size) if question.with_com else None
     witnesses = LimitedWitnesses(stance, forces[:, : rows.wrench_map.shape[1]], motions, rows.lift, rows.joints)
     return SupportRegion.polygon(
         inner, outer, motions[:, -3:], witnesses, cone, gap, solves, com_margin, rows.size, inner_area, outer_area, len(rows.joints) > 0

@@ -18,7 +18,7 @@ from socp_statics.models.hard_rows import hard_values
 from socp_statics.models.largest_reserve import MODEL as LARGEST_RESERVE
 from socp_statics.models.support_region import RegionShape
 from socp_statics.regions import polygon
-from socp_statics.regions.com_margin import refined_margin
+from socp_statics.regions.com_margin import on_edge_or, refined_margin
 from socp_statics.regions.directions import (
     CoMPlane,
     Directions,
@@ -40,7 +40,6 @@ from socp_statics.statics.units import BOUNDARY
 CLIP = 10.0
 FARTHEST = 1e6
 CORNER = 1e-11
-ON_EDGE = 1e-9
 
 
 class Tracer:
@@ -309,7 +308,7 @@ class Tracer:
             cone=self.cone,
             engine=self.engine.name,
             handovers=self.handovers,
-            com_margin=None if margin is None else 0.0 if -ON_EDGE < margin <= 0.0 else margin * length,
+            com_margin=None if margin is None else on_edge_or(margin, 1.0) * length,
             clip=tuple(float(v) for v in square) if kind == "unbounded" else None,  # type: ignore[arg-type]
             size=length,
             frozen=self.data.torques.limited,

@@ -15,11 +15,12 @@ from socp_statics.engines import compiled_first, engines_for
 from socp_statics.engines.threads import checked_threads, in_chunks
 from socp_statics.engines.work_memory import kept
 from socp_statics.exceptions import EngineError, InputError
+from socp_statics.regions.com_margin import on_edge_or
 from socp_statics.regions.directions import com_plane
 from socp_statics.regions.limited_tracing import trace_limited
 from socp_statics.regions.question import RegionQuestion, region_question
 from socp_statics.regions.support_region import SupportRegion
-from socp_statics.regions.tracer import ON_EDGE, Tracer
+from socp_statics.regions.tracer import Tracer
 from socp_statics.regions.witnesses import TracedWitnesses
 from socp_statics.statics import assemble
 
@@ -182,7 +183,7 @@ def _by_the_kernel(questions: Sequence[RegionQuestion], cone: ConeChoice, tolera
         if kind != polygon:
             regions.append(None)
             continue
-        com_margin = None if not question.with_com else 0.0 if -ON_EDGE * size < margin <= 0.0 else margin
+        com_margin = on_edge_or(margin, size) if question.with_com else None
         corner, edge, row = at + k, edges + m, rows + k * n
         witnesses = TracedWitnesses(question.stance, cone, multipliers[rows:row], motions[edges:edge])
         regions.append(

@@ -10,7 +10,7 @@ from socp_statics.engines.kernel.contact_vertices import carrying_points, contac
 from socp_statics.engines.kernel.continuation import continued
 from socp_statics.engines.kernel.five_unknowns import INFEASIBLE, SOLVED, UNBOUNDED
 from socp_statics.engines.kernel.friction_points import centre_and_size, full_rank, prepare_support, scaled_load, set_direction
-from socp_statics.engines.kernel.lanes import FIELDS, WIDTH, padded
+from socp_statics.engines.kernel.lanes import buffer_size, padded
 from socp_statics.engines.kernel.normal_matrix import factor, with_pad
 from socp_statics.engines.kernel.projection_newton import EQUATION
 from socp_statics.engines.kernel.refinement import (
@@ -105,16 +105,15 @@ def work_arrays(cones, most):
         most: Number of directions that may be asked: a row a support, so that a trace which asks few directions touches little memory.
 
     Returns:
-        Buffer of the cones; rows of indices; supports, their motions and forces; corners; scratch of `trace_one`.
+        Rows of indices; supports, their motions and forces; corners; scratch of `trace_one`.
     """
-    X, ints = np.empty(-(-cones // WIDTH) * FIELDS * WIDTH), np.empty((6, max(most, cones)), np.int64)
-    a_support = map(np.empty, ((most, NODE), (most, 5), (most, 3 * cones), (most, 2)))
-    return X, ints, *a_support, np.empty((cones, 5)), np.empty((3 * cones, EQUATION)), np.empty((15, 6))
+    shapes = ((most, NODE), (most, 5), (most, 3 * cones), (most, 2), (cones, 5), (3 * cones, EQUATION), (15, 6))
+    return np.empty((6, max(most, cones)), np.int64), *map(np.empty, shapes)
 
 
 @entry(
     "Tuple((int64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1]))"
-    "(float64[:,::1], int64[::1], float64[:,::1], float64, Tuple((float64[::1], int64[:,::1], float64[:,::1], float64[:,::1], "
+    "(float64[:,::1], int64[::1], float64[:,::1], float64, Tuple((int64[:,::1], float64[:,::1], float64[:,::1], "
     "float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1])))"
 )
 def trace(points, starts, loads, tolerance, work):
@@ -138,7 +137,8 @@ def trace(points, starts, loads, tolerance, work):
     batch, widest = starts.shape[0] - 1, 1
     for b in range(batch):
         widest = max(widest, starts[b + 1] - starts[b])
-    X, ints, nodes, motions, forces, corners, alone, equations, small = work
+    X = np.empty(buffer_size(widest))
+    ints, nodes, motions, forces, corners, alone, equations, small = work
     counts, numbers = np.empty((batch, 4), np.int64), np.empty((batch, 5))
     inner_xy, held = np.empty((16 * batch, 2)), np.empty((16 * batch * widest, 3))
     outer_xy, moving, lines = np.empty((16 * batch, 2)), np.empty((16 * batch, 6)), np.empty((16 * batch, 3))
